@@ -4,9 +4,11 @@ from ._kinematics import (
     StageKinematics as StageKinematics,
     free_carrier_ratio as free_carrier_ratio,
     ideal_carrier_ratio as ideal_carrier_ratio,
+    roller_migration as roller_migration,
     slip_velocity as slip_velocity,
     stage_kinematics as stage_kinematics,
     travel_per_turn as travel_per_turn,
+    travel_share as travel_share,
 )
 from ._transient import simulate as simulate
 from .forces import (

@@ -8,7 +8,7 @@ from jaxtyping import Array, Float, Int
 
 from .._errors import PrsmError
 from ..fields import Scalar, refuse_options
-from ..mechanism import Mechanism, of_one_design
+from ..mechanism import Mechanism, of_one_design, require_type
 from ..numerics import over_samples
 from ..programs import is_known, one_program_where_possible, traceable
 from ..scenario import TorqueScenario, check_scenario
@@ -121,12 +121,13 @@ def simulate(
     - `throw`: raise if the solver fails. Inside a trace nothing is raised; see `solver.code`.
     - `kinematics`: kinematics of the stages, if known already.
 
-    **Raises:** `MissingDataError` if masses or the scenario are not given; `ValueError` for an
-    unknown method or gradient, an option that the method does not take, an invalid scenario (a
-    duration that is not above 0, NaN or infinite numbers), or the closed form under a prescribed
-    torque; `PrsmError` if `throw` is set and the solver fails or the mechanism cannot be built (a
-    dimension out of range, rollers that overlap).
+    **Raises:** `MissingDataError` if masses or the scenario are not given, and for recirculating
+    and differential roller screws; `ValueError` for an unknown method or gradient, an option that
+    the method does not take, an invalid scenario (a duration that is not above 0, NaN or infinite
+    numbers), or the closed form under a prescribed torque; `PrsmError` if `throw` is set and the
+    solver fails or the mechanism cannot be built (a dimension out of range, rollers that overlap).
     """
+    require_type(mechanism.stages, "transients are", ("standard", "inverted"))
     requested = method_of(method, rtol=rtol, atol=atol, max_steps=max_steps)
     if scenario is None:
         scenario = default_scenario(mechanism)

@@ -46,6 +46,7 @@ from ._limits import (
     OF_A_THREAD as OF_A_THREAD,
     POISSON_RATIO as POISSON_RATIO,
     POSITIVE as POSITIVE,
+    RADIUS_RATIO as RADIUS_RATIO,
     ROLLER_NUMBER as ROLLER_NUMBER,
     ROLLERS as ROLLERS,
     SAMPLES as SAMPLES,
@@ -64,5 +65,6 @@ from ._within import (
     check_distances as check_distances,
     check_fields as check_fields,
     check_number as check_number,
+    check_related as check_related,
     check_stage as check_stage,
 )

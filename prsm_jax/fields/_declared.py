@@ -169,7 +169,9 @@ def declared(cls: type, unit: str = "1") -> tuple[Declared, ...]:
         default = field.default_factory if made else field.default
         return Declared(cls, field.name, own, limit, field.metadata, default)
 
-    return tuple(one(field) for field in dataclasses.fields(cls))
+    # The type of a thread is that of its stage, and is declared there.
+    fields = (field for field in dataclasses.fields(cls) if not field.metadata.get("of_owner"))
+    return tuple(one(field) for field in fields)
 
 
 def values_of(module: Any, unit: str = "1") -> Iterator[tuple[Declared, Any]]:

@@ -57,6 +57,7 @@ _UNIT = 'a bare number is in m, so give the unit, such as "10 mm"'
 OF_A_THREAD = Limit(0.0, 1.0, "more than 0 and at most 1 m", upper_allowed=True, hint=_UNIT)
 _LENGTH = Limit(0.0, 100.0, "more than 0 and at most 100 m", upper_allowed=True, hint=_UNIT)
 STARTS = Limit(2.0, math.inf, "more than 2 (the screw radius is (starts - 2) r_R)")
+RADIUS_RATIO = Limit(2.0, math.inf, "more than 2 (the screw radius is (radius_ratio - 2) r_R)")
 POISSON_RATIO = Limit(-1.0, 0.5, "between -1 and 0.5, both excluded")
 DAMPING_RATIO = Limit(0.0, 1.0, "0 or more and less than 1", lower_allowed=True)
 INNER_SHARE = Limit(0.0, 1.0, "between 0 and 1, both excluded")

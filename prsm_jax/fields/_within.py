@@ -25,8 +25,9 @@ _EXAMPLES = {
 class Contradiction(ValueError):
     """Two numbers of a stage exclude each other; `place` is the path of the one to change."""
 
-    def __init__(self, place: tuple[str, ...], value: float, message: str):
-        super().__init__(f"{'.'.join(place)} is {value:.6g} m; it {message}")
+    def __init__(self, place: tuple[str, ...], value: float, message: str, unit: str = "m"):
+        text = f"{value:.6g} {unit}" if unit != "1" else f"{value:.6g}"
+        super().__init__(f"{'.'.join(place)} is {text}; it {message}")
         self.place = place
         self.message = message
 
@@ -126,6 +127,23 @@ def _check_hashable(owner: str, one: Declared, value: Any) -> None:
         ) from error
 
 
+def check_related(place: tuple[str, ...], value: object, limit: Limit) -> None:
+    """Refuse known numbers out of a range that depends on other fields.
+
+    **Arguments:**
+
+    - `place`: path of the field.
+    - `value`: the number or numbers; traced ones and NaN pass.
+    - `limit`: its limit there.
+
+    **Raises:** `Contradiction` with what is allowed.
+    """
+    known = _known(value)
+    for one in () if known is None else known.ravel().tolist():
+        if one == one and not limit.admits(one):
+            raise Contradiction(place, one, f"must be {limit.words}", "1")
+
+
 def check_fields(module: Any, *, to_come: bool = True) -> None:
     """Check known numbers, lists and choices of a part against what its class declares.
 
@@ -187,9 +205,11 @@ def check_stage(stage: Any) -> None:
 
     **Raises:** `Contradiction` at the first number that does not fit the others.
     """
-    roller_radius, starts = _scalar(stage.thread.roller_radius), _scalar(stage.thread.starts)
-    if roller_radius is not None and starts is not None:
-        screw_radius = (starts - 2) * roller_radius
+    thread = stage.thread
+    roller_radius, beyond = _scalar(thread.roller_radius), thread.family.ratio_beyond_starts
+    ratio = _scalar(thread.radius_ratio if beyond is None else thread.starts)
+    if roller_radius is not None and ratio is not None:
+        screw_radius = (ratio + (beyond or 0) - 2) * roller_radius
         circle = 2 * (screw_radius + roller_radius)
         meaning = "twice the radius of the circle of the roller axes"
         _below(stage.screw, "screw", "bore_radius", screw_radius, "the screw's nominal radius")

@@ -7,13 +7,15 @@ from ..geometry import Finding
 from ..mechanism import Mechanism, of_one_known_design
 from ..programs import one_program_where_possible
 from ..quantities import Analysis
-from . import _axis, _fit, _locking, _preferred, _stiffness, _strength, _truncation
+from . import _axis, _fit, _locking, _migration, _preferred, _stiffness, _strength, _truncation
 from ._margin import Source, evaluate_margins, findings_of, margins_of, sources
 from ._masses import ExpectedMasses, expected_masses, mass_findings_from
 from ._sharing import sharing_findings
 
 #: Modules that declare margins when they are imported.
-DECLARED_IN = (_fit, _preferred, _stiffness, _locking, _strength, _truncation, _axis)
+DECLARED_IN = (
+    *(_fit, _migration, _preferred, _stiffness, _locking, _strength, _truncation, _axis),
+)
 
 
 class CheckNumbers(NamedTuple):
@@ -48,14 +50,14 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     """Findings that an engineer should know before trusting the results of a mechanism.
 
     Do the parts fit: `dimension`, `feasible_ratio`, `roller_clearance`, `gear_assembly`,
-    `carrier_clearance`, `meshing`, `contact_on_flank`, `tooth_thickness`, `backlash`. Can they
-    be made with usual tools: `unusual_lead`, `unusual_module`. Are the numbers for vibration
-    plausible: `inertia`, `mass`, `torsional_support`, `negative_stiffness`. Does friction let
-    the mechanism move: `jamming`, `self_locking`. Does it last: `static_safety`, `rating_life`,
-    `buckling`, `screw_speed`, `false_brinelling`, `contact_truncation`. Do repeated numbers agree:
-    `preload`, `engaged_threads`, `axial_backlash`, `spin_coefficient`. Is equal load sharing
-    assumed: `equal_sharing`. Nothing is raised; a mechanism without findings gives an empty tuple.
-    Checks whose data are missing are skipped. Needs concrete numbers: inside a trace use
+    `gear_mismatch`, `carrier_clearance`, `meshing`, `contact_on_flank`, `tooth_thickness`,
+    `backlash`. Can they be made with usual tools: `unusual_lead`, `unusual_module`. Are the numbers
+    for vibration plausible: `inertia`, `mass`, `torsional_support`, `negative_stiffness`. Does
+    friction let the mechanism move: `jamming`, `self_locking`. Does it last: `static_safety`,
+    `rating_life`, `buckling`, `screw_speed`, `false_brinelling`, `contact_truncation`. Do repeated
+    numbers agree: `preload`, `engaged_threads`, `axial_backlash`, `spin_coefficient`. Is equal load
+    sharing assumed: `equal_sharing`. Nothing is raised; a mechanism without findings gives an empty
+    tuple. Checks whose data are missing are skipped. Needs concrete numbers: inside a trace use
     `evaluate_margins`.
 
     **Arguments:**

@@ -26,11 +26,19 @@ _CLOSE = 1e-6
 _WORDS = {
     "lead": "more than 0",
     "starts": "more than 2",
+    "radius_ratio": "more than 2",
     "roller_radius": "more than 0",
     "contact_angle": "between 0 and pi/2 (90 deg)",
     "roller_profile_radius": "more than 0",
 }
-_UNITS = {"starts": "", "contact_angle": " rad"}
+_UNITS = {"starts": "", "radius_ratio": "", "contact_angle": " rad"}
+
+
+def _words(stage: Stage, name: str) -> str:
+    """The permitted range of a number of the thread, in words."""
+    if name == "starts" and stage.thread.family.starts is not None:
+        return stage.thread.starts_limit.words
+    return _WORDS[name]
 
 
 def _clearance(
@@ -69,7 +77,7 @@ def _dimensions(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             (("error", 0.0),),
             lambda r, name=name: (
                 f"stage.thread.{name} is {r.details['given']:.6g}{_UNITS.get(name, ' m')}; it must "
-                f"be {_WORDS[name]}: such a thread cannot exist"
+                f"be {_words(r.mechanism.stages[index], name)}: such a thread cannot exist"
             ),
             kind="existence",
             details=present_value,
@@ -115,22 +123,28 @@ def _ratio(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         # Rollers with rings have no thread.
         return
 
+    # Starts that do not determine the radii are few.
+    free = mechanism.stages[index].thread.family.ratio_beyond_starts is None
+    least = 1 if free else 3
+
     def message(r: Reading) -> str:
-        return (
-            "the ratio of nut to roller radius, and with it the number of thread starts, is "
-            f"{r.value:.6g}; it must be a whole number of at least 3 (nearest: "
-            f"{max(3, round(r.value))})"
+        whole = f"{r.value:.6g}; it must be a whole number of at least {least} (nearest: "
+        what = (
+            "the number of thread starts is "
+            if mechanism.stages[index].type != "standard"
+            else "the ratio of nut to roller radius, and with it the number of thread starts, is "
         )
+        return f"{what}{whole}{max(least, round(r.value))})"
 
     yield Margin(
         "feasible_ratio",
         index + 1,
         lambda analysis: analysis.mechanism.stages[index].thread.starts,
-        # Below 3 by more than the rounding error of a whole number.
-        (("error", 3 - 1e-6),),
+        # Below it by more than the rounding error of a whole number.
+        (("error", least - 1e-6),),
         message,
         kind="assembly",
-        shown=lambda r: (r.value, float(max(3, round(r.value)))),
+        shown=lambda r: (r.value, float(max(least, round(r.value)))),
         reserve=0.0,
         integer=True,
     )
@@ -169,12 +183,16 @@ def _gear(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         return part.roller_teeth
 
     def ring(analysis: Analysis) -> Scalar:
+        part = analysis.mechanism.stages[index].gear
+        if part is not None and part.ring_teeth is not None:
+            return part.ring_teeth
         return teeth(analysis) * analysis.mechanism.stages[index].thread.starts
 
     def message(r: Reading) -> str:
+        given = gear.ring_teeth is not None
         return (
-            f"the ring gear would have n z_R = {r.details['ring']:.6g} teeth for "
-            f"z_R = {r.details['teeth']:.6g} roller teeth; both must be whole numbers"
+            f"the ring gear {'has' if given else 'would have n z_R ='} {r.details['ring']:.6g} "
+            f"teeth for z_R = {r.details['teeth']:.6g} roller teeth; both must be whole numbers"
         )
 
     # With whole roller teeth and whole starts the ring gear teeth are whole too.
@@ -213,9 +231,11 @@ def _carrier(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 @margin_source
 def _meshing(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    sides = " or ".join(mechanism.stages[index].thread.family.sliding)
+
     def message(r: Reading) -> str:
         return (
-            "screw and roller flanks do not touch in a point; the roller's profile radius "
+            f"{sides} and roller flanks do not touch in a point; the roller's profile radius "
             f"{r.details['profile_radius'] * 1e3:.4g} mm is too large (too flat a profile) "
             "for this lead and contact angle"
         )
@@ -248,21 +268,34 @@ def _meshing(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 @margin_source
 def _on_flank(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    thread = mechanism.stages[index].thread
-    for body in ("screw", "roller"):
-        if getattr(thread, f"{body}_addendum") is None:
+    thread, family = mechanism.stages[index].thread, mechanism.stages[index].thread.family
+    # The contact with a body on which rollers slide lies aside of the line of centres: nearer to
+    # the crests of both.
+    for body in (*family.sliding, "roller"):
+        # The nut's thread is as high as the screw's.
+        height = "roller_addendum" if body == "roller" else "screw_addendum"
+        if getattr(thread, height) is None:
             continue
 
-        def details(analysis: Analysis, body=body) -> dict[str, Scalar]:
+        def details(analysis: Analysis, body=body, height=height) -> dict[str, Scalar]:
             current = analysis.mechanism.stages[index].thread
-            side = analysis.kinematics[index].meshing.screw
-            radius = side.contact_radius if body == "screw" else side.roller_contact_radius
-            crest = getattr(current, f"{body}_radius") + getattr(current, f"{body}_addendum")
-            return {"radius": radius, "crest": crest}
+            meshing = analysis.kinematics[index].meshing
+            sides = [getattr(meshing, side) for side in family.sliding]
+            if body == "roller":
+                radii = [side.roller_contact_radius for side in sides]
+                radius = radii[0] if len(radii) == 1 else jnp.maximum(*radii)
+            else:
+                radius = getattr(meshing, body).contact_radius
+            nominal, addendum = getattr(current, f"{body}_radius"), getattr(current, height)
+            return {
+                "radius": radius,
+                "crest": nominal - addendum if body == "nut" else nominal + addendum,
+            }
 
-        def value(analysis: Analysis, details=details) -> Scalar:
+        def value(analysis: Analysis, body=body, details=details) -> Scalar:
             radii = details(analysis)
-            return radii["crest"] - radii["radius"]
+            difference = radii["crest"] - radii["radius"]
+            return -difference if body == "nut" else difference
 
         yield Margin(
             "contact_on_flank",
@@ -311,6 +344,9 @@ def assembly_notes(mechanism: Mechanism) -> Iterator[Finding]:
             continue
         roller = float(gear.roller_teeth)
         ring = roller * float(stage.thread.starts)
+        if gear.ring_teeth is not None:
+            # Where gear and thread differ, rollers leave their phase in any case.
+            continue
         if not (is_whole(roller) and is_whole(ring)):
             continue
         step = round(ring) % stage.roller_count

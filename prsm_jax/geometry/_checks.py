@@ -64,24 +64,38 @@ def carrier_clearance(stage: Stage) -> Scalar:
 
 def dimension_names(thread: Thread) -> tuple[str, ...]:
     """Names of the numbers that `dimension_margins` gives; nothing is traced."""
-    last = () if thread.roller_profile_radius is None else ("roller_profile_radius",)
+    optional = ("radius_ratio", "roller_profile_radius")
+    last = tuple(name for name in optional if getattr(thread, name) is not None)
     return ("lead", "starts", "roller_radius", "contact_angle", *last)
+
+
+def _starts_margin(thread: Thread) -> Scalar:
+    """Margin of the number of starts within the range of its type of roller screw.
+
+    Ends that are allowed are half a start away: that the number is whole is checked by itself.
+    """
+    limit = thread.starts_limit
+    if not limit.lower_allowed:
+        return thread.starts - limit.lower
+    return jnp.minimum(thread.starts - limit.lower, limit.upper - thread.starts) + 0.5
 
 
 def dimension_margins(thread: Thread) -> dict[str, Scalar]:
     """Margin of each number of the thread within its physical range, by name; 0 at the end.
 
-    Lead and radii are above 0, starts above 2 (the screw's radius is (n − 2) r_R), and the contact
-    angle lies between 0 and π/2. These are the limits that apply to files, here for numbers that
-    are set in Python or traced.
+    Lead and radii are above 0, starts above 2 (the screw's radius is (n − 2) r_R) where they
+    determine the radii, and the contact angle lies between 0 and π/2. These are the limits that
+    apply to files, here for numbers that are set in Python or traced.
     """
     angle = thread.contact_angle
     margins = {
         "lead": thread.lead,
-        "starts": thread.starts - 2,
+        "starts": _starts_margin(thread),
         "roller_radius": thread.roller_radius,
         "contact_angle": jnp.minimum(angle, jnp.pi / 2 - angle),
     }
+    if thread.radius_ratio is not None:
+        margins["radius_ratio"] = thread.radius_ratio - 2
     if thread.roller_profile_radius is not None:
         margins["roller_profile_radius"] = thread.roller_profile_radius
     return margins

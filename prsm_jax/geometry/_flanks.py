@@ -14,7 +14,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
 from ..fields import Scalar
-from ..mechanism import Thread
+from ..mechanism import Side, Thread
 
 #: Gradient (∂z/∂x, ∂z/∂y) of a height over the transverse plane. Plain numbers rather than an
 #: array, like `SymmetricTensor`: a batch of designs then runs in one fused loop without a copy.
@@ -38,9 +38,9 @@ class FlankGeometry(eqx.Module):
 
     #: Slope tan α of screw and nut in the axial section, and of the roller at its nominal radius.
     slope: Scalar
-    #: Lead of screw and nut over 2π [m/rad].
+    #: Lead of the screw over 2π [m/rad].
     reduced_lead: Scalar
-    #: Lead of the roller over 2π [m/rad].
+    #: Lead of the roller over 2π; negative for the other hand than the screw's [m/rad].
     roller_reduced_lead: Scalar
     centre_distance: Scalar
     screw_radius: Scalar
@@ -49,6 +49,34 @@ class FlankGeometry(eqx.Module):
     profile_radius: Scalar
     #: Distance of the arc's centre from the roller axis, r_R − ρ sin α [m].
     arc_centre: Scalar
+    #: Lead of the nut over 2π, unless it is that of the screw [m/rad].
+    own_nut_lead: Scalar | None = None
+    #: The body that has the helix angle of the roller; `None` if both bodies have another.
+    carrying: Side | None = eqx.field(static=True, default="nut")
+
+    @property
+    def nut_reduced_lead(self) -> Scalar:
+        """Lead of the nut over 2π [m/rad]."""
+        return self.reduced_lead if self.own_nut_lead is None else self.own_nut_lead
+
+    @property
+    def mirrored_nut(self) -> "FlankGeometry":
+        """Flanks of a screw whose contact equations are those of the nut.
+
+        The gradients of the nut's side are equal where those of a screw of the nut's radius and
+        lead are, with the roller at negative distances from its axis.
+        """
+        return FlankGeometry(
+            slope=self.slope,
+            reduced_lead=self.nut_reduced_lead,
+            roller_reduced_lead=self.roller_reduced_lead,
+            centre_distance=self.centre_distance,
+            screw_radius=self.nut_radius,
+            nut_radius=self.screw_radius,
+            profile_radius=-self.profile_radius,
+            arc_centre=-self.arc_centre,
+            carrying=None if self.carrying is None else "nut",
+        )
 
 
 class _Polar(NamedTuple):
@@ -69,7 +97,8 @@ def flanks_of(thread: Thread) -> FlankGeometry:
     # By a division: XLA's CPU compiler evaluates a tangent, a slow call, again in every loop over a
     # batch that uses it, but a quotient once.
     slope = 1 / jnp.tan(thread.contact_angle)
-    reduced_lead = thread.lead / (2 * jnp.pi)
+    family, reduced_lead = thread.family, thread.lead / (2 * jnp.pi)
+    no_lead = None if family.roller_hand else jnp.zeros_like(slope)
     profile_radius = thread.roller_profile_radius
     sine = slope / jnp.sqrt(1 + slope**2)
     if profile_radius is None:
@@ -80,13 +109,21 @@ def flanks_of(thread: Thread) -> FlankGeometry:
     return FlankGeometry(
         slope=slope,
         reduced_lead=reduced_lead,
-        roller_reduced_lead=reduced_lead / thread.starts,
+        roller_reduced_lead=_roller_lead(thread, reduced_lead) if no_lead is None else no_lead,
         centre_distance=thread.centre_distance,
         screw_radius=thread.screw_radius,
         nut_radius=thread.nut_radius,
         profile_radius=profile_radius,
         arc_centre=arc_centre,
+        own_nut_lead=None if family.nut_has_thread else no_lead,
+        carrying=family.carrying if family.roller_hand else None,
     )
+
+
+def _roller_lead(thread: Thread, reduced_lead: Scalar) -> Scalar:
+    """Lead of a threaded roller over 2π [m/rad]."""
+    lead = reduced_lead / thread.starts
+    return lead if thread.family.roller_hand == 1 else -lead
 
 
 def _arc(flanks: FlankGeometry, radius: Scalar) -> tuple[Scalar, Scalar]:
@@ -158,9 +195,9 @@ def _helicoid_hessian(
 
 
 def _hessians(
-    flanks: FlankGeometry, x: Scalar, y: Scalar, roller_reduced_lead: Scalar
+    flanks: FlankGeometry, x: Scalar, y: Scalar, reduced_lead: Scalar, roller_reduced_lead: Scalar
 ) -> tuple[SymmetricTensor, SymmetricTensor]:
-    """Hessians of the straight flank, and of the roller flank measured as a depth."""
+    """Hessians of a straight flank with a lead, and of the roller flank measured as a depth."""
     _, straight = _polar(x, y)
     radius, roller = _polar(x - flanks.centre_distance, y)
     height, offset = _arc(flanks, radius)
@@ -168,25 +205,25 @@ def _hessians(
     inverse = 1 / height
     bend = flanks.profile_radius**2 * inverse**3
     return (
-        _helicoid_hessian(straight, flanks.slope, 0.0, flanks.reduced_lead),
+        _helicoid_hessian(straight, flanks.slope, 0.0, reduced_lead),
         _helicoid_hessian(roller, offset * inverse, bend, roller_reduced_lead),
     )
 
 
 def screw_side_hessian(flanks: FlankGeometry, x: Scalar, y: Scalar) -> SymmetricTensor:
     """Hessian of `screw_side_gap` over the transverse plane [1/m]."""
-    screw, depth = _hessians(flanks, x, y, -flanks.roller_reduced_lead)
+    screw, depth = _hessians(flanks, x, y, flanks.reduced_lead, -flanks.roller_reduced_lead)
     return SymmetricTensor(screw.xx + depth.xx, screw.xy + depth.xy, screw.yy + depth.yy)
 
 
 def nut_side_hessian(flanks: FlankGeometry, x: Scalar, y: Scalar) -> SymmetricTensor:
     """Hessian of `nut_side_gap` over the transverse plane [1/m]."""
-    nut, roller = _hessians(flanks, x, y, flanks.roller_reduced_lead)
+    nut, roller = _hessians(flanks, x, y, flanks.nut_reduced_lead, flanks.roller_reduced_lead)
     return SymmetricTensor(roller.xx - nut.xx, roller.xy - nut.xy, roller.yy - nut.yy)
 
 
 def nut_contact_hessian(flanks: FlankGeometry) -> SymmetricTensor:
-    """`nut_side_hessian` where roller and nut touch [1/m].
+    """`nut_side_hessian` where a roller that rolls in the nut touches it [1/m].
 
     That is on the line of centres at the nominal radii, where the arc of the roller has the slope
     tan α and `f = ρ cos α`: this takes an eighth of the operations, also in derivatives.
@@ -196,7 +233,7 @@ def nut_contact_hessian(flanks: FlankGeometry) -> SymmetricTensor:
     square = 1 + flanks.slope**2
     return SymmetricTensor(
         square * jnp.sqrt(square) / flanks.profile_radius,
-        flanks.reduced_lead * nut**2 - flanks.roller_reduced_lead * roller**2,
+        flanks.nut_reduced_lead * nut**2 - flanks.roller_reduced_lead * roller**2,
         flanks.slope * (roller - nut),
     )
 
@@ -248,7 +285,7 @@ def nut_side_heights(flanks: FlankGeometry, x: Scalar, y: Scalar) -> tuple[Scala
     nut_radius = jnp.sqrt(x**2 + y**2)
     roller_radius = jnp.sqrt(from_roller**2 + y**2)
     nut = flanks.slope * (nut_radius - flanks.nut_radius)
-    nut = nut + flanks.reduced_lead * jnp.arctan2(y, x)
+    nut = nut + flanks.nut_reduced_lead * jnp.arctan2(y, x)
     roller = _depth(flanks, roller_radius)
     return roller + flanks.roller_reduced_lead * jnp.arctan2(y, from_roller), nut
 

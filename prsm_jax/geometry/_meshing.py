@@ -1,11 +1,13 @@
 """Contact points of the threads: points of common normal between roller, screw and nut."""
 
+from typing import NamedTuple
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..fields import Scalar
-from ..mechanism import Thread, of_one_design
+from ..mechanism import Side, Thread, of_one_design
 from ..numerics import find_root_of
 from ..programs import one_program, physics
 from ._curvature import RelativeCurvature, relative_curvature
@@ -15,6 +17,8 @@ from ._flanks import (
     flanks_of,
     helicoid_slope,
     nut_contact_hessian,
+    nut_side_gap,
+    nut_side_hessian,
     screw_side_gap,
     screw_side_hessian,
 )
@@ -54,7 +58,8 @@ class Meshing(eqx.Module):
 
     screw: ThreadContact
     nut: ThreadContact
-    #: Axial gap of the screw-side flanks when all teeth are half a pitch thick [m].
+    #: Axial gap between the flanks of both sides when all teeth are half a pitch thick; there is
+    #: one only where rollers slide: on the screw's side of a standard roller screw [m].
     axial_gap: Scalar
     converged: Bool[Array, ""]
 
@@ -74,6 +79,10 @@ def starting_slope(flanks: FlankGeometry) -> Scalar:
     Both flanks are equally steep, `s² + tan²λ_R = tan²α + tan²λ_s`, at the nominal radii.
     """
     screw_helix = flanks.reduced_lead / flanks.screw_radius
+    if flanks.carrying is None:
+        # Rollers with grooves.
+        return jnp.sqrt(flanks.slope**2 + screw_helix**2)
+    # The roller has the helix angle of the other body, which carries it.
     roller_helix = flanks.reduced_lead / flanks.nut_radius
     return jnp.sqrt(flanks.slope**2 + screw_helix**2 - roller_helix**2)
 
@@ -145,19 +154,75 @@ def _unit_normal(slope: Slope, sign: float) -> tuple[Scalar, Scalar, Scalar]:
     return x * scale, y * scale, -scale
 
 
+class _Touch(NamedTuple):
+    """A thread contact, where it is, and whether the search for it converged."""
+
+    contact: ThreadContact
+    x: Scalar
+    y: Scalar
+    #: `None` for a contact on the line of centres.
+    converged: Bool[Array, ""] | None
+
+
+def _where_it_slides(flanks: FlankGeometry, side: Side) -> _Touch:
+    """The contact with a body on which the roller slides: aside of the line of centres."""
+    on_screw = side == "screw"
+    pair = flanks if on_screw else flanks.mirrored_nut
+    distance = flanks.centre_distance
+    start = starting_slope(pair)
+    profile_slope, converged = find_root_of(
+        _steepness,
+        pair,
+        start,
+        tolerance=1e-12 if distance.dtype == jnp.float64 else 1e-5,
+        max_steps=_MAXIMUM_STEPS,
+    )
+    triangle, x, y = contact_point(pair, jnp.where(converged, profile_slope, start))
+    slope = helicoid_slope(pair.slope, pair.reduced_lead, x, y)
+    hessian = (screw_side_hessian if on_screw else nut_side_hessian)(flanks, x, y)
+    contact = ThreadContact(
+        contact_radius=triangle.screw_radius,
+        contact_angle_position=jnp.arctan2(y, x),
+        roller_contact_radius=triangle.roller_radius if on_screw else -triangle.roller_radius,
+        roller_angle_position=jnp.arctan2(y, distance - x if on_screw else x - distance),
+        normal_parts=_unit_normal(slope, 1.0 if on_screw else -1.0),
+        curvature=relative_curvature(slope, hessian),
+    )
+    return _Touch(contact, x, y, converged)
+
+
+def _where_it_rolls(flanks: FlankGeometry, side: Side, roller_radius: Scalar) -> _Touch:
+    """The contact with a body of the roller's helix angle: at the nominal radii, exactly."""
+    on_nut = side == "nut"
+    radius = flanks.nut_radius if on_nut else flanks.screw_radius
+    lead = flanks.nut_reduced_lead if on_nut else flanks.reduced_lead
+    slope, on_line = (flanks.slope, lead / radius), jnp.zeros_like(flanks.centre_distance)
+    hessian = nut_contact_hessian(flanks) if on_nut else screw_side_hessian(flanks, radius, on_line)
+    contact = ThreadContact(
+        contact_radius=radius,
+        contact_angle_position=on_line,
+        roller_contact_radius=roller_radius,
+        roller_angle_position=on_line,
+        normal_parts=_unit_normal(slope, -1.0 if on_nut else 1.0),
+        curvature=relative_curvature(slope, hessian),
+    )
+    return _Touch(contact, radius, on_line, None)
+
+
 @of_one_design
 @one_program
 @physics("meshing")
 def mesh(thread: Thread) -> Meshing:
     """Contact points, normals and relative curvatures of one roller with screw and nut.
 
-    On the screw side the flanks touch where their gradients over the transverse plane are equal:
-    same direction and same steepness. The direction is solved in closed form, which leaves one
-    equation, for the slope of the roller's profile, regular down to zero lead. Derivatives go
-    through its root by the implicit function theorem. On the nut side, roller and nut have the same
-    helix angle, so the contact lies on the line of centres at the nominal radii, exactly.
+    Where rollers slide (on the screw of a standard roller screw), the flanks touch where their
+    gradients over the transverse plane are equal: same direction and same steepness. The direction
+    is solved in closed form, which leaves one equation, for the slope of the roller's profile,
+    regular down to zero lead. Derivatives go through its root by the implicit function theorem.
+    Where they roll (in the nut of a standard roller screw), both bodies have the same helix angle,
+    so the contact lies on the line of centres at the nominal radii, exactly.
     Equations: common normal of two helicoids, as in Fu et al. 2017 and Jones and Velinsky 2013,
-    with one unknown.
+    with one unknown; those of a nut are those of a screw with the roller at negative radii.
 
     **Arguments:**
 
@@ -167,40 +232,29 @@ def mesh(thread: Thread) -> Meshing:
     roller's profile is too flat for so steep a helix); the numbers are then finite but must not be
     used.
     """
-    flanks = flanks_of(thread)
-    distance = flanks.centre_distance
-    start = starting_slope(flanks)
-    profile_slope, converged = find_root_of(
-        _steepness,
-        flanks,
-        start,
-        tolerance=1e-12 if distance.dtype == jnp.float64 else 1e-5,
-        max_steps=_MAXIMUM_STEPS,
+    flanks, family = flanks_of(thread), thread.family
+    sides: tuple[Side, ...] = ("screw", "nut")
+    screw, nut = (
+        _where_it_slides(flanks, side)
+        if side in family.sliding
+        else _where_it_rolls(flanks, side, thread.roller_radius)
+        for side in sides
     )
-    triangle, x, y = contact_point(flanks, jnp.where(converged, profile_slope, start))
-    slope = helicoid_slope(flanks.slope, flanks.reduced_lead, x, y)
-    screw = ThreadContact(
-        contact_radius=triangle.screw_radius,
-        contact_angle_position=jnp.arctan2(y, x),
-        roller_contact_radius=triangle.roller_radius,
-        roller_angle_position=jnp.arctan2(y, distance - x),
-        normal_parts=_unit_normal(slope, 1.0),
-        curvature=relative_curvature(slope, screw_side_hessian(flanks, x, y)),
-    )
-
-    nut_slope = flanks.slope, flanks.reduced_lead / flanks.nut_radius
-    on_line = jnp.zeros_like(distance)
-    nut = ThreadContact(
-        contact_radius=flanks.nut_radius,
-        contact_angle_position=on_line,
-        roller_contact_radius=thread.roller_radius,
-        roller_angle_position=on_line,
-        normal_parts=_unit_normal(nut_slope, -1.0),
-        curvature=relative_curvature(nut_slope, nut_contact_hessian(flanks)),
-    )
-    # A root beyond the screw axis has no triangle, and where the gap has a saddle point, the flanks
-    # intersect.
-    bend = screw.curvature
-    touches = (screw.roller_contact_radius < distance) & (bend.total**2 > bend.difference_squared)
-    possible = (flanks.slope > 0) & (bend.total > 0)
-    return Meshing(screw, nut, screw_side_gap(flanks, x, y), converged & touches & possible)
+    meshed: Bool[Array, ""] | None = None
+    gap: Scalar | None = None
+    for touch, gap_of in ((screw, screw_side_gap), (nut, nut_side_gap)):
+        if touch.converged is None:
+            continue
+        # A root beyond the screw axis has no triangle, and where the gap has a saddle point, the
+        # flanks intersect.
+        bend = touch.contact.curvature
+        touches = touch.contact.roller_contact_radius < flanks.centre_distance
+        touches = touches & (bend.total**2 > bend.difference_squared)
+        possible = (flanks.slope > 0) & (bend.total > 0)
+        own_gap = gap_of(flanks, touch.x, touch.y)
+        own = touch.converged & touches & possible
+        meshed = own if meshed is None else meshed & own
+        gap = own_gap if gap is None else gap + own_gap
+    assert meshed is not None
+    assert gap is not None
+    return Meshing(screw.contact, nut.contact, gap, meshed)

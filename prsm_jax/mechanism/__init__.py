@@ -30,6 +30,7 @@ from ._standard_numbers import (
     standard_leads as standard_leads,
     standard_modules as standard_modules,
 )
+from ._type_checks import require_type as require_type
 from .derived import (
     body_inertia as body_inertia,
     body_mass as body_mass,
@@ -65,6 +66,8 @@ from .parts import (
     DISTRIBUTIONS as DISTRIBUTIONS,
     DUTY_CYCLE as DUTY_CYCLE,
     END_CONDITIONS as END_CONDITIONS,
+    FAMILIES as FAMILIES,
+    ROLLER_SCREW_TYPES as ROLLER_SCREW_TYPES,
     AxialPlay as AxialPlay,
     Axis as Axis,
     AxisLoad as AxisLoad,
@@ -77,6 +80,7 @@ from .parts import (
     DesignProblem as DesignProblem,
     Distribution as Distribution,
     EndConditions as EndConditions,
+    Family as Family,
     FarBearing as FarBearing,
     FatigueRule as FatigueRule,
     Gear as Gear,
@@ -94,8 +98,10 @@ from .parts import (
     RayleighDamping as RayleighDamping,
     RingGear as RingGear,
     Roller as Roller,
+    RollerScrewType as RollerScrewType,
     Screw as Screw,
     ScrewShaft as ScrewShaft,
+    Side as Side,
     SplitNut as SplitNut,
     Strength as Strength,
     StructuralDamping as StructuralDamping,

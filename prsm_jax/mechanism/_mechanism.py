@@ -1,5 +1,6 @@
 """The mechanism: stages, operating point and duty cycle, as one frozen pytree in SI units."""
 
+import dataclasses
 from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 import equinox as eqx
@@ -26,6 +27,7 @@ from ..fields import (
 from ..friction import Friction, FrictionLaw
 from ..scenario import Scenario, TorqueScenario
 from ._contact_methods import ContactMethod, contact_methods
+from ._type_checks import check_type, check_types_in_series
 from .parts import (
     Axis,
     Carrier,
@@ -39,6 +41,7 @@ from .parts import (
     Nut,
     RingGear,
     Roller,
+    RollerScrewType,
     Screw,
     Strength,
     Thread,
@@ -55,9 +58,9 @@ Sharing: TypeAlias = Literal["unstated", "equal"]
 class Stage(Limited):
     """One planetary roller screw: threads, bodies, gear, stiffnesses taken as given, friction.
 
-    Leaves (traced, differentiable): every number. Static: `roller_count` (which a sweep may trace),
-    `curvature`, `contact_method`, `carrier.count`, which rollers are unequal or missing, and which
-    optional parts are present.
+    Leaves (traced, differentiable): every number. Static: `type` (see `Family`), `roller_count`
+    (which a sweep may trace), `curvature`, `contact_method`, `carrier.count`, which rollers are
+    unequal or missing, and which optional parts are present.
 
     `roller_count` is the number of evenly spaced places; `present_roller_count` is the number of
     rollers in them. The load is shared equally by the rollers present, independent of their
@@ -65,9 +68,10 @@ class Stage(Limited):
     `sharing = "equal"` states that equal shares are intended.
 
     **Raises:** `ValueError` at construction for a roller count below 1, unequal rollers that do not
-    fit it, an unknown curvature convention, `contact_method` or `sharing`, and for known numbers
-    that are out of range or exclude each other (a bore wider than its screw). Traced numbers cannot
-    be refused: results then carry a code, and `prsm_jax.check` gives findings.
+    fit it, an unknown curvature convention, `contact_method` or `sharing`, starts, radii or parts
+    that do not fit the type of roller screw, and for known numbers that are out of range or exclude
+    each other (a bore wider than its screw). Traced numbers cannot be refused: results then carry a
+    code, and `prsm_jax.check` gives findings.
     """
 
     thread: Thread
@@ -117,13 +121,19 @@ class Stage(Limited):
         default="unstated",
         implied=True,
     )
+    type: RollerScrewType = choice("type of roller screw", default="standard", implied=True)
     unequal_roller: tuple[UnequalRoller, ...] = eqx.field(
         converter=tuple,
         default=(),
         metadata={"without": "all rollers are equal, in their places, and present"},
     )
 
+    def __post_init__(self) -> None:
+        if self.thread.type != self.type:
+            self.thread = dataclasses.replace(self.thread, type=self.type)
+
     def __check_init__(self) -> None:
+        check_type(self)
         check_unequal_rollers(self.unequal_roller, self.roller_count)
         check_stage(self)
 
@@ -233,6 +243,7 @@ class Mechanism(Limited):
     def __check_init__(self) -> None:
         if not self.stages:
             raise ValueError("stages is empty; a mechanism needs at least one stage")
+        check_types_in_series(self.stages)
         first = self.stages[0].friction
         if first is not None and first.spline is not None:
             raise ValueError(

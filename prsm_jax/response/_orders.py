@@ -23,7 +23,7 @@ from ..dynamics import (
     steady_state,
 )
 from ..fields import Scalar, plain
-from ..mechanism import Mechanism, Stage, stage_at
+from ..mechanism import Mechanism, Stage, require_type, stage_at
 from ..programs import physics
 
 Phasing: TypeAlias = Literal["torsional", "transverse", "roller"]
@@ -54,9 +54,11 @@ def working_carrier_ratio(mechanism: Mechanism, stage: int = 1) -> Scalar:
     friction determines it from geometry alone. If data for the steady state are missing, ideal
     rolling is assumed, r_s / (2 a).
 
-    **Raises:** `ValueError` for a stage that does not exist.
+    **Raises:** `ValueError` for a stage that does not exist; `MissingDataError` if it is not a
+    standard roller screw.
     """
     chosen = stage_at(mechanism, stage)
+    require_type((chosen,), "the orders of excitation are")
     if not has_contact_losses(chosen.friction):
         return free_carrier_ratio(all_kinematics(mechanism)[stage - 1])
     try:
@@ -89,7 +91,10 @@ def excitation_orders(
 
     - `stage`: the stage.
     - `carrier_ratio`: κ; default that of ideal rolling, r_s / (2 a).
+
+    **Raises:** `MissingDataError` if it is not a standard roller screw.
     """
+    require_type((stage,), "the orders of excitation are")
     thread, count = stage.thread, plain(stage.roller_count)
     ratio = ideal_carrier_ratio(thread) if carrier_ratio is None else carrier_ratio
     ratio = jnp.asarray(ratio, thread.lead.dtype)

@@ -18,14 +18,16 @@ def tooth_flexibility(gear: Gear, starts: Scalar) -> Scalar:
 
     **Arguments:**
 
-    - `gear`: the gear pair; z₁ = z_R, x₁ on the roller, z₂ = n z_R, x₂ on the ring.
+    - `gear`: the gear pair; z₁ = z_R, x₁ on the roller, z₂ (given or n z_R), x₂ on the ring, or
+        on the screw of an inverted roller screw.
     - `starts`: number of thread starts n, the ratio of the gear pair.
 
     **Raises:** `MissingDataError` if the number of teeth is not given.
     """
     if gear.roller_teeth is None:
         raise MissingDataError("the gear has no roller_teeth; give stage.gear.roller_teeth")
-    first, second = gear.roller_teeth, starts * gear.roller_teeth
+    first = gear.roller_teeth
+    second = starts * first if gear.ring_teeth is None else gear.ring_teeth
     shift_first, shift_second = gear.roller_profile_shift, gear.ring_profile_shift
     return (
         0.04723

@@ -63,22 +63,29 @@ def _rolling_ratio(total: Scalar, rolling: Scalar, method: ContactMethod) -> Sca
 
 
 def carrier_share(stage: Stage) -> Scalar:
-    """Carrier speed over screw speed for rolling on the nominal circles, (n − 2)/(2 (n − 1))."""
-    return stage.thread.screw_radius / (2 * stage.thread.centre_distance)
+    """Carrier speed over screw speed for rolling on the nominal circles, (n − 2)/(2 (n − 1)).
+
+    In general `Thread.ideal_carrier_ratio`, over the speed of the body that turns.
+    """
+    return stage.thread.ideal_carrier_ratio
 
 
 def cycles_per_turn(stage: Stage) -> tuple[Scalar, Scalar, Scalar]:
     """Stress cycles of a point of screw, roller and nut in one turn of the screw.
 
     N (1 − ζ) rollers pass a point of the screw, N ζ a point of the nut. A roller turns n ζ times
-    relative to its carrier, and each of its flanks touches one body only.
+    relative to its carrier, and each of its flanks touches one body only. If the nut turns, both
+    bodies change their places; in general a roller turns |κ| ζ times (`Thread.rolling_ratio`).
 
     **Arguments:**
 
     - `stage`: the stage.
     """
     share, rollers = carrier_share(stage), stage.present_roller_count
-    return rollers * (1 - share), stage.thread.starts * share, rollers * share
+    family, thread = stage.thread.family, stage.thread
+    ratio = thread.nut_ratio if family.held == "nut" else thread.screw_ratio
+    turning, roller, held = rollers * (1 - share), ratio * share, rollers * share
+    return (turning, roller, held) if family.turning == "screw" else (held, roller, turning)
 
 
 @physics("dynamic_capacity")

@@ -77,7 +77,7 @@ def rating_life(
     return RatingLife(
         revolutions=revolutions,
         time=jnp.where(still, jnp.inf, time),
-        distance=scaled_unless_infinite(revolutions, stage.thread.lead),
+        distance=scaled_unless_infinite(revolutions, stage.thread.ideal_travel),
     )
 
 

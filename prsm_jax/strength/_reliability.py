@@ -97,8 +97,11 @@ def minimum_oscillation_amplitude(
     if contact is None:
         contact = reference_contact(stage, meshing)
     share = jnp.abs(load) / (REFERENCE_LOAD * thread_share(stage))
-    half_length = contact.nut.hertz.semi_major * positive_power(share, 1 / 3)
-    rolled = stage.thread.starts * carrier_share(stage) * stage.thread.roller_radius
+    family, thread = stage.thread.family, stage.thread
+    held = contact.nut if family.held == "nut" else contact.screw
+    half_length = held.hertz.semi_major * positive_power(share, 1 / 3)
+    ratio = thread.nut_ratio if family.held == "nut" else thread.screw_ratio
+    rolled = ratio * carrier_share(stage) * thread.roller_radius
     return half_length / rolled
 
 

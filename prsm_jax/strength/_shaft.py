@@ -166,8 +166,13 @@ def critical_speed(stage: Stage, length: Scalar | None = None) -> Scalar:
     - `stage`: the stage, with shaft data and the density of the screw.
     - `length`: unsupported length [m]; default: that of the file.
 
-    **Raises:** `MissingDataError` if lengths, root radius, material or density are missing.
+    **Raises:** `MissingDataError` if lengths, root radius, material or density are missing, or if
+    the screw does not turn.
     """
+    if stage.thread.family.turning != "screw":
+        raise MissingDataError(
+            f"the screw of an {stage.type} roller screw does not turn, so it has no critical speed"
+        )
     length = unsupported_length(stage) if length is None else length
     material = material_of(stage, "screw")
     if material.density is None:
@@ -189,6 +194,8 @@ def dn_value(stage: Stage, speed: Scalar) -> Scalar:
 def permissible_speed(stage: Stage, length: Scalar | None = None) -> Scalar:
     """Lower of the permissible share of the critical speed and the speed at the DN limit.
 
+    Where the nut turns it is the speed at the DN limit.
+
     **Arguments:**
 
     - `stage`: the stage, with shaft data.
@@ -199,6 +206,8 @@ def permissible_speed(stage: Stage, length: Scalar | None = None) -> Scalar:
     **Raises:** `MissingDataError` as in `critical_speed`.
     """
     shaft = shaft_of(stage)
+    if stage.thread.family.turning != "screw" and shaft.dn_limit is not None:
+        return shaft.dn_limit / (2 * stage.thread.screw_radius)
     speed = shaft.permissible_speed_share * critical_speed(stage, length)
     if shaft.dn_limit is None:
         return speed

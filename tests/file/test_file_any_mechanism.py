@@ -13,7 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 import prsm_jax.file as file
-from prsm_jax.fields import ANY, Declared, Limit, declared, limit_of
+from prsm_jax.fields import ANY, STARTS, Declared, Limit, declared, limit_of
 from prsm_jax.file import TableChoice, table_choices
 from prsm_jax.mechanism import (
     DISTRIBUTIONS,
@@ -84,6 +84,9 @@ def modules(draw, cls: type[eqx.Module]):
     values = {one.name: draw(_field(one)) for one in declared(cls)}
     if cls is Support and values["radial_stiffness"] is None:
         values["radial_stiffness_y"] = None
+    if cls is Thread and values["radius_ratio"] is None:
+        # Starts then determine the radii.
+        values["starts"] = draw(numbers(STARTS))
     if cls is LoadSharing:
         values |= draw(sharing_lists(values["thread_count"], values["split_nut"]))
     if cls is SplitNut and (values["preload"] is None) == (values["offset"] is None):
@@ -93,11 +96,12 @@ def modules(draw, cls: type[eqx.Module]):
     if cls is AxialPlay and values["preload_force"] is not None:
         values["axial_backlash"] = None
     if cls is Stage:
+        values |= draw(_of_a_type(values["thread"], values))
         values["unequal_roller"] = draw(unequal_rollers(values["roller_count"]))
         # Dimensions that must fit each other are scaled to do so.
         thread = values["thread"]
         radius = float(thread.roller_radius)
-        bound = {"screw": (float(thread.starts) - 2) * radius, "roller": radius}
+        bound = {"screw": _screw_ratio(values["type"], thread) * radius, "roller": radius}
         for body, outer in bound.items():
             part = values[body]
             bore = draw(st.one_of(st.none(), st.floats(0, 0.99))) if outer > 1e-300 else None
@@ -116,6 +120,28 @@ def modules(draw, cls: type[eqx.Module]):
                 roller_major_radius=2e-3,
             )
     return cls(**values)
+
+
+@st.composite
+def _of_a_type(draw, thread: Thread, values: dict[str, Any]):
+    """A type that the numbers of a thread fit, without the parts that it cannot have."""
+    kinds = ("standard", "inverted")
+    if thread.radius_ratio is not None:
+        kinds = ("recirculating", "differential")
+        thread = dataclasses.replace(thread, starts=draw(st.floats(1, 2)))
+    kind = draw(st.sampled_from(kinds))
+    if kind == "standard":
+        return {"type": kind}
+    gear = values["gear"] if kind == "inverted" else None
+    without = {"ring_gear": None, "curvature": "exact", "line_contact": None}
+    return {"type": kind, "thread": thread, "gear": gear} | without
+
+
+def _screw_ratio(kind: str, thread: Thread) -> float:
+    """Screw radius over roller radius."""
+    if thread.radius_ratio is not None:
+        return float(thread.radius_ratio) - 2
+    return float(thread.starts) - (2 if kind == "standard" else 0)
 
 
 @st.composite
@@ -246,8 +272,11 @@ def _without_first_spline(stages: list[Stage]) -> tuple[Stage, ...]:
 def mechanisms(draw):
     """Any mechanism that a file can hold."""
     point = draw(st.one_of(st.none(), modules(OperatingPoint)))
+    stages = draw(st.lists(modules(Stage), min_size=1, max_size=2))
+    if any(stage.type != "standard" for stage in stages):
+        stages = stages[:1]
     return Mechanism(
-        _without_first_spline(draw(st.lists(modules(Stage), min_size=1, max_size=2))),
+        _without_first_spline(stages),
         point,
         draw(st.one_of(st.none(), duty_cycles())),
         draw(st.text(st.characters(exclude_categories=["Cs"]), max_size=20)),

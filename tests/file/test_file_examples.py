@@ -14,10 +14,13 @@ NAMES = (
     "actuator_load_sharing",
     "actuator_mission",
     "actuator_tolerances",
+    "differential_stage",
+    "humanoid_leg",
     "li2020_single_stage_viscous",
     "li2020_two_stage",
     "li2021_two_stage",
     "lisowski2014",
+    "recirculating_stage",
     "ring_roller",
     "wu2022",
 )

@@ -4,6 +4,7 @@ from ._chain import (
     StageState as StageState,
     all_push as all_push,
     chain_forces as chain_forces,
+    screw_forces as screw_forces,
 )
 from ._loads import bound_scenario as bound_scenario
 from ._power import losses as losses, stored_power as stored_power

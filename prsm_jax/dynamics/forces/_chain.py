@@ -44,7 +44,7 @@ class StageState(eqx.Module):
 
 @physics("screw_inertia")
 def _torque_of_inertia(stage: Stage, acceleration: Scalar) -> Scalar:
-    return body_inertia(stage, "screw") * acceleration
+    return body_inertia(stage, stage.thread.family.turning) * acceleration
 
 
 @physics("screw_inertia")

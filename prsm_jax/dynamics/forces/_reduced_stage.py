@@ -62,7 +62,7 @@ def is_reducible(stage: Stage) -> bool:
 
 def reduced_stage(kinematics: StageKinematics) -> ReducedStage:
     """Collect the scalars of a stage."""
-    drive, slip, screw = kinematics.drive, kinematics.slip_per_screw, kinematics.meshing.screw
+    drive, slip, screw = kinematics.drive, kinematics.slip_per_screw, kinematics.sliding
     length = jnp.sqrt(dot_few(drive, drive))
     across = kinematics.crossing / length
     return ReducedStage(

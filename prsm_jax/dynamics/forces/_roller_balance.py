@@ -58,7 +58,7 @@ def roller_support_forces(
     # All in the frame of the loaded flank.
     if carrier_acceleration is not None:
         carrier_acceleration = state.flank_sign * carrier_acceleration
-    nut_force = forces.nut_contact_force * kinematics.meshing.nut.normal
+    nut_force = forces.nut_contact_force * kinematics.rolling.normal
     on_roller = forces.screw_on_roller + nut_force
     mass_known = stage.roller.mass is not None or stage.roller.length is not None
     inward = jnp.zeros_like(forces.contact_force)
@@ -80,15 +80,22 @@ def roller_support_forces(
             pin_tangential = -both_pins / 2
     gear_tangential = (tangential_inertia - on_roller[1]) / 2 - pin_tangential
     pin_radial, gear_force = (inward - on_roller[0]) / 2, jnp.abs(gear_tangential)
+    if thread.family.no_gear:
+        # Friction of the threads that roll takes the place of the teeth.
+        gear_force = jnp.zeros_like(gear_force)
     if stage.gear is not None:
         gear_radial, gear_force = _tooth_forces(stage.gear, gear_tangential)
         pin_radial = pin_radial - gear_radial
 
-    side = kinematics.meshing.screw
+    side = kinematics.sliding
     arm, angle = side.roller_contact_radius, side.roller_angle_position
     screw_on_roller = forces.screw_on_roller
     moment = thread.roller_radius * (nut_force[1] + 2 * gear_tangential)
-    moment = moment - arm * jnp.cos(angle) * screw_on_roller[1]
+    across = arm * jnp.cos(angle) * screw_on_roller[1]
+    if kinematics.spin_sense < 0:
+        # Rollers around a held screw touch it, and its teeth, on the side of its axis.
+        moment, across = -moment, -across
+    moment = moment - across
     moment = moment - arm * jnp.sin(angle) * screw_on_roller[0]
     if forces.screw_moment is not None and forces.nut_moment is not None:
         moment = moment + motion.screw_sense * forces.screw_moment.total
@@ -116,7 +123,7 @@ def forces_by_stage(
     rows: dict[str, list[Scalar]] = {
         "contact_force": contact_forces,
         "screw_roller_axial_force": [
-            -force * geometry.meshing.screw.normal[2]
+            -force * geometry.sliding.normal[2]
             for force, geometry in zip(contact_forces, kinematics, strict=True)
         ],
         "ring_gear_force": [support.ring_gear_force for support in supports],

@@ -78,8 +78,12 @@ class StageForces(eqx.Module):
 
 @physics("axial_inertia")
 def axial_inertia(stage: Stage) -> Scalar:
-    """Mass that moves axially with the nut: N m_R + m_n + the carriers [kg]."""
-    mass = stage.present_roller_count * mean_roller_mass(stage) + body_mass(stage, "nut")
+    """Mass that moves axially with the held body: N m_R + m_n + the carriers [kg].
+
+    In an inverted roller screw that body is the screw.
+    """
+    held = body_mass(stage, stage.thread.family.held)
+    mass = stage.present_roller_count * mean_roller_mass(stage) + held
     carrier = stage.carrier
     if carrier is not None:
         # Papers give the carriers' inertia without their mass; it is small compared with the nut's.
@@ -108,7 +112,7 @@ def stage_forces(
     - `flank_sign`: +1 or −1, to turn forces on other parts back from that frame.
     """
     count = stage.present_roller_count
-    screw_side, nut_side = kinematics.meshing.screw, kinematics.meshing.nut
+    screw_side, nut_side = kinematics.sliding, kinematics.rolling
     contact = motion.contact
     if contact is None:
         slip = Slip(motion.slip, motion.direction, motion.screw_speed, motion.carrier_speed)
@@ -127,6 +131,9 @@ def stage_forces(
     arm = radius * jnp.stack([-jnp.sin(angle), jnp.cos(angle)])
     torque = -count * dot_few(arm, on_roller[:2])
     drive = count * dot_few(friction[:2], kinematics.drive)
+    if kinematics.axial_drive is not None:
+        # The load moves with the carrier, too.
+        drive = drive + kinematics.axial_drive * (count * friction[2] + axial_force)
     if has_contact_losses(stage.friction):
         screw_moment, nut_moment = resisting_moments(stage, kinematics, force, nut_force, rub)
         on_screw_side = count * motion.screw_sense * screw_moment.total
@@ -155,10 +162,10 @@ def carrier_inertia(stage: Stage) -> Scalar:
     """Inertia referred to the carrier speed: n_P J_P + N J_R (n − 1)² + N m_R a² [kg·m²].
 
     n_P carriers; rollers rotate at −(n − 1) ω about their axes and orbit with the carriers
-    (Li et al. 2021, equation 11).
+    (Li et al. 2021, equation 11). In general it is κ − 1 in place of n − 1 (`rolling_ratio`).
     """
     thread, count = stage.thread, stage.present_roller_count
-    spinning = mean_roller_inertia(stage) * (thread.starts - 1) ** 2
+    spinning = mean_roller_inertia(stage) * (thread.rolling_ratio - 1) ** 2
     circling = mean_roller_mass(stage) * thread.centre_distance**2
     inertia = count * (spinning + circling)
     if stage.carrier is not None:

@@ -32,7 +32,7 @@ def in_tangent_plane(
     kinematics: StageKinematics, transverse: Float[Array, "2"]
 ) -> Float[Array, "3"]:
     """The vector in the contact's tangent plane with this transverse part."""
-    normal = kinematics.meshing.screw.normal
+    normal = kinematics.sliding.normal
     axial = -dot_few(normal[:2], transverse) / normal[2]
     return jnp.concatenate([transverse, axial[None]])
 

@@ -20,7 +20,14 @@ import jax
 import jax.numpy as jnp
 
 from ..._errors import MissingDataError
-from ...contact import HertzContact, contact_frames, ellipse_shape, engaged_threads, side_contact
+from ...contact import (
+    ContactFrame,
+    HertzContact,
+    contact_frames,
+    ellipse_shape,
+    engaged_threads,
+    side_contact,
+)
 from ...fields import Scalar
 from ...friction import Friction, RollingHysteresis, SpinFriction
 from ...geometry import RelativeCurvature
@@ -109,9 +116,13 @@ def contact_resistance(stage: Stage, kinematics: StageKinematics) -> ContactResi
     assert friction is not None
     force = jnp.ones_like(kinematics.slip_per_screw[2])
     frames = contact_frames(stage.thread, kinematics.meshing, stage.curvature)
-    sides = (kinematics.meshing.screw, kinematics.meshing.nut)
+    family = stage.thread.family
+    sides = (kinematics.sliding, kinematics.rolling)
+    names = (family.turning, family.held)
+    if family.turning == "nut":
+        frames = _turned_frames(frames)
     moments, ellipse, pressure = [], None, None
-    for name, frame, side in zip(("screw", "nut"), frames, sides, strict=True):
+    for name, frame, side in zip(names, frames, sides, strict=True):
         try:
             threads = engaged_threads(stage)
             hertz = side_contact(stage, name, frame, force / threads).hertz
@@ -121,7 +132,7 @@ def contact_resistance(stage: Stage, kinematics: StageKinematics) -> ContactResi
         along_normal = jnp.abs(side.normal[2])
         in_plane = jnp.hypot(side.normal[0], side.normal[1])
         spin, rolling = friction.spin, friction.rolling_hysteresis
-        slides = name == "screw"
+        slides = name == family.turning
         if slides and asks_for_pressure(stage):
             pressure = hertz.max_pressure
         if slides and spin is not None:
@@ -137,6 +148,17 @@ def contact_resistance(stage: Stage, kinematics: StageKinematics) -> ContactResi
             )
         )
     return ContactResistance(moments[0], moments[1], ellipse, pressure)
+
+
+def _turned_frames(frames: tuple[ContactFrame, ContactFrame]) -> tuple[ContactFrame, ContactFrame]:
+    """Frames of the nut, on which rollers slide, and of the screw.
+
+    The directions of a curvature are given about the screw's normal: about that of the nut, which
+    points the other way, its twist has the other sign.
+    """
+    screw, nut = frames
+    curvature = dataclasses.replace(nut.curvature, twist=-nut.curvature.twist)
+    return dataclasses.replace(nut, curvature=curvature), screw
 
 
 def _at_force(coefficient: ResistingMoment, force: Scalar) -> ResistingMoment:

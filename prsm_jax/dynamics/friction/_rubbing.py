@@ -79,6 +79,11 @@ def spin_per_slip(kinematics: StageKinematics, direction: Float[Array, "3"]) -> 
     """
     drive, slip = kinematics.drive, kinematics.slip_per_screw
     screw = direction[2] / slip[2]
+    if kinematics.axial_drive is not None:
+        # The axial slip determines the speed of screw over carrier.
+        aside = slip[:2] - drive
+        carrier = dot_few(direction[:2] - screw * slip[:2], aside) / dot_few(aside, aside)
+        return screw + (1 + kinematics.relative_spin_ratio) * carrier
     carrier = dot_few(screw * slip[:2] - direction[:2], drive) / dot_few(drive, drive)
     return screw + kinematics.relative_spin_ratio * carrier
 
@@ -196,7 +201,7 @@ def unknown_shares(
 ) -> dict[int, Scalar]:
     """Stages with an unknown share in their axial balance, and its guess without friction."""
     return {
-        index: -geometry.meshing.screw.normal[2]
+        index: -geometry.sliding.normal[2]
         for index, (stage, geometry) in enumerate(zip(stages, kinematics, strict=True))
         if has_unknown_share(stage, geometry)
     }
@@ -230,7 +235,7 @@ class _Balance(NamedTuple):
         per_force, constant = friction_on_roller(
             self.stage, self.slip, self.deflection, rub, law_inputs
         )
-        carried = -self.kinematics.meshing.screw.normal[2] - per_force[2]
+        carried = -self.kinematics.sliding.normal[2] - per_force[2]
         residual = share - jnp.where(carries, carried, self.bracket)
         # Below the least share the force does not change. A balance there is not valid: the contact
         # would have to pull.
@@ -262,7 +267,7 @@ def screw_contact(
     - `share`: the bracket, if it is solved for with other unknowns (`residual` must then vanish).
     """
     law, ellipse = stage.thread_law, rubbing_of(stage, kinematics)
-    normal_axial = -kinematics.meshing.screw.normal[2]
+    normal_axial = -kinematics.sliding.normal[2]
     law_inputs = {} if law is None else law_inputs_of(law, kinematics, slip, axial / normal_axial)
     per_force, constant = friction_on_roller(stage, slip, deflection, None, law_inputs)
     bracket = normal_axial - per_force[2]

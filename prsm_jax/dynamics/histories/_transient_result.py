@@ -182,7 +182,7 @@ def _kinetic_power(mechanism: Mechanism, carrier_speed, acceleration, speed, scr
         return power
     for index, stage in enumerate(stages):
         moved = axial_inertia(stage) * travel_per_turn(stages, index + 1) ** 2
-        moved = moved + body_inertia(stage, "screw")
+        moved = moved + body_inertia(stage, stage.thread.family.turning)
         if index > 0:
             moved = moved + body_mass(stage, "screw") * travel_per_turn(stages, index) ** 2
         power = power + moved * speed * screw_acceleration

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ...fields import Scalar
-from ...mechanism import Mechanism, of_one_design
+from ...mechanism import Mechanism, of_one_design, require_type
 from ...numerics import length_few
 from ...programs import AbstractResult, mapped, one_program
 from .._kinematics import StageKinematics, travel_per_turn
@@ -152,6 +152,7 @@ def body_forces(
     **Raises:** `MissingDataError` if a mass is needed and not given. Masses of rollers and carriers
     are needed unless in a steady state, those of screws and nuts where the screw accelerates.
     """
+    require_type(mechanism.stages, "the forces on all bodies (body_forces) are")
     if kinematics is None:
         kinematics = all_kinematics(mechanism)
     kinematics = with_resistance(mechanism.stages, kinematics)

@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float
 from ..._errors import MissingDataError
 from ...fields import Scalar
 from ...mechanism import Stage
-from ...numerics import above_or_nan, dot_few, root_or_zero, sum_few
+from ...numerics import above_or_nan, dot_few, length_few, root_or_zero, sum_few
 from ...programs import physics
 from .._kinematics import StageKinematics, free_carrier_ratio
 from ..forces import Motion
@@ -44,18 +44,41 @@ class SlipPerTurn(NamedTuple):
     axial: Float[Array, "1"]
     #: ζ∞, the carrier ratio without resistance.
     free_ratio: Scalar
+    #: Axial part of d; `None` where it is 0 [m/rad].
+    axial_drive: Scalar | None = None
 
     def at(self, lag: Scalar | None) -> Float[Array, "3"]:
         """Slip at ζ = ζ∞ − lag; `None` is no lag [m/rad]."""
         in_plane = self.across if lag is None else self.across + lag * self.drive
-        return jnp.concatenate([in_plane, self.axial])
+        axial = self.axial
+        if self.axial_drive is not None and lag is not None:
+            axial = axial + lag * self.axial_drive
+        return jnp.concatenate([in_plane, axial])
 
 
 def slip_per_turn(kinematics: StageKinematics) -> SlipPerTurn:
     """The parts of the slip per radian of screw turn."""
     drive = kinematics.drive
+    if kinematics.axial_drive is not None:
+        return _slip_in_space(kinematics, kinematics.axial_drive)
     across = kinematics.crossing / dot_few(drive, drive) * jnp.stack([drive[1], -drive[0]])
     return SlipPerTurn(drive, across, kinematics.slip_per_screw[2:], free_carrier_ratio(kinematics))
+
+
+def _slip_in_space(kinematics: StageKinematics, axial_drive: Scalar) -> SlipPerTurn:
+    """The parts of a slip whose axial part changes with the carrier speed as well.
+
+    With v₀ = (−y, x, h) and d = v₀ + κ (y, a − x, 0) it is `v₀ × d = κ (h (x − a), h y, −a y)`; the
+    part of v₀ across d is `d × (v₀ × d)/|d|²`, without a difference of nearly equal numbers.
+    """
+    in_plane, lead = kinematics.drive, kinematics.slip_per_screw[2]
+    aside = (in_plane - kinematics.slip_per_screw[:2]) * lead
+    drive = jnp.concatenate([in_plane, axial_drive[None]])
+    crossing = jnp.stack([-aside[1], aside[0], kinematics.crossing])
+    square = dot_few(drive, drive)
+    across = jnp.cross(drive, crossing) / square
+    free = free_carrier_ratio(kinematics)
+    return SlipPerTurn(in_plane, across[:2], across[2:], free, axial_drive)
 
 
 def free_slip(kinematics: StageKinematics, speed: Scalar, sense: Scalar) -> Slip:
@@ -84,13 +107,14 @@ def steady_motion(
         turns = slip_per_turn(kinematics)
         turn = turns.at(turns.free_ratio - ratio)
         slip = Slip(speed * turn, sense * slip_direction(turn), speed, speed * ratio)
+    turning = sense if kinematics.spin_sense > 0 else -sense
     return Motion(
         screw_speed=speed,
         carrier_speed=speed * ratio,
         slip=slip.velocity,
         direction=slip.direction,
-        screw_sense=sense,
-        nut_sense=sense,
+        screw_sense=turning,
+        nut_sense=turning,
         axial_acceleration=axial_acceleration,
         share=share,
         contact=contact,
@@ -138,8 +162,9 @@ class CarrierBalance(eqx.Module):
     def __check_init__(self) -> None:
         if self.stage.friction is None or self.stage.friction.thread is None:
             raise MissingDataError(
-                "spin, rolling losses and inertia resist the rollers, and only thread friction can "
-                "drive them; give [stage.friction.thread]"
+                "spin, rolling losses and inertia resist the rollers, and the load drives them "
+                "where the nut has grooves; only thread friction can drive them or hold them: "
+                "give [stage.friction.thread]"
             )
 
     def at(self, tangent: Scalar, share: Scalar | None = None) -> CarrierPoint:
@@ -162,19 +187,25 @@ class CarrierBalance(eqx.Module):
         stage, kinematics, laws = self.stage, self.kinematics, self.stage.friction
         assert laws is not None
         force, per_force, constant, rub, _ = contact
-        normal = kinematics.meshing.screw.normal
+        normal = kinematics.sliding.normal
         friction = force * per_force + constant
         resisting = jnp.zeros_like(ratio)
         if has_contact_losses(laws):
-            nut_force = -(force * normal + friction)[2] / kinematics.meshing.nut.normal[2]
+            nut_force = -(force * normal + friction)[2] / kinematics.rolling.normal[2]
             screw, nut = resisting_moments(stage, kinematics, force, nut_force, rub)
             resisting = kinematics.relative_spin_ratio * self.sense * (screw.total + nut.total)
+            if kinematics.spin_sense < 0:
+                resisting = -resisting
+        if kinematics.axial_drive is not None:
+            # The load drives the carrier.
+            load = self.axial_force / stage.present_roller_count
+            resisting = resisting - kinematics.axial_drive * load
         if self.inertia_per_ratio is not None:
             resisting = resisting + self.inertia_per_ratio * ratio / stage.present_roller_count
         square = sum_few(friction**2)
         rubs = above_or_nan(square)
         length = root_or_zero(square)
-        reach = jnp.sqrt(dot_few(kinematics.drive, kinematics.drive))
+        reach = kinematics.reach
         largest = length * reach
         # The tangent refers to positive speed; friction changes sign with the sense.
         resisting = self.sense * resisting
@@ -182,12 +213,14 @@ class CarrierBalance(eqx.Module):
         if rub is not None:
             # With spin, friction is not quite parallel to the slip.
             deviation = friction / jnp.where(rubs, length, 1.0) - direction
-            deviation_share = jnp.where(
-                rubs, self.sense * dot_few(deviation[:2], kinematics.drive) / reach, 0.0
-            )
+            deviation_share = jnp.where(rubs, self.sense * kinematics.along(deviation) / reach, 0.0)
         if self.inertia_per_ratio is None:
             share = jnp.where(rubs, resisting / jnp.where(rubs, largest, 1.0), 0.0)
-            return share - deviation_share, rubs | (resisting == 0)
+            suffices = rubs | (resisting == 0)
+            if kinematics.axial_drive is not None:
+                # The load may exceed all that friction can hold.
+                suffices = suffices & (jnp.abs(share) < 1)
+            return share - deviation_share, suffices
         suffices = jnp.abs(resisting) < _LARGEST_SHARE * largest
         share = resisting / jnp.where(suffices, largest, 1.0)
         limit = _LARGEST_SHARE * jnp.sign(resisting)
@@ -204,10 +237,14 @@ def carrier_balance(
 ) -> CarrierBalance:
     """The balance of one stage's carrier; arguments as in `balanced_carrier_ratio`."""
     drive, turns = kinematics.drive, slip_per_turn(kinematics)
-    square = dot_few(drive, drive)
-    across = jnp.sqrt(kinematics.crossing**2 + kinematics.slip_per_screw[2] ** 2 * square)
+    if kinematics.axial_drive is None:
+        square = dot_few(drive, drive)
+        across = jnp.sqrt(kinematics.crossing**2 + kinematics.slip_per_screw[2] ** 2 * square)
+        lag = across / square
+    else:
+        lag = length_few(turns.at(None)) / kinematics.reach
     return CarrierBalance(
-        stage, kinematics, sense, speed, axial_force, inertia_per_ratio, turns, across / square
+        stage, kinematics, sense, speed, axial_force, inertia_per_ratio, turns, lag
     )
 
 
@@ -264,7 +301,8 @@ def balanced_carrier_ratio(
 
     **Raises:** `MissingDataError` if there is resistance but no thread friction.
     """
-    if not has_contact_losses(stage.friction) and inertia_per_ratio is None:
+    driven = inertia_per_ratio is not None or kinematics.axial_drive is not None
+    if not has_contact_losses(stage.friction) and not driven:
         return BalancedCarrier(free_carrier_ratio(kinematics), jnp.asarray(True))
     balance = carrier_balance(stage, kinematics, sense, speed, axial_force, inertia_per_ratio)
     return _balanced(balance)
@@ -284,7 +322,7 @@ def _balanced(balance: CarrierBalance) -> BalancedCarrier:
         axial_residual = [] if point.contact.residual is None else [point.contact.residual]
         return jnp.stack([point.residual, *axial_residual]), point
 
-    shares = [-balance.kinematics.meshing.screw.normal[2]] if shared else []
+    shares = [-balance.kinematics.sliding.normal[2]] if shared else []
     accuracy = 1e-10 if start.dtype == jnp.float64 else 1e-4
     _, converged, point = find_roots_and(
         residuals, jnp.stack([start, *shares]), tolerance=accuracy, max_steps=30

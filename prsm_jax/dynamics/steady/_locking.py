@@ -18,7 +18,7 @@ from jaxtyping import Array, Bool
 
 from ...fields import Scalar
 from ...friction import Friction, scaled_friction
-from ...mechanism import Mechanism, Stage
+from ...mechanism import Mechanism, Stage, require_type
 from ...numerics import dot_few, find_root
 from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn
@@ -34,7 +34,7 @@ def _unit(kinematics: StageKinematics):
 
 def jamming_coefficient(kinematics: StageKinematics) -> Scalar:
     """Friction coefficient at which a driving screw jams, |n_z| ‖v‖ / v_z; about cot α."""
-    return -kinematics.meshing.screw.normal[2] / _unit(kinematics)[2]
+    return -kinematics.sliding.normal[2] / _unit(kinematics)[2]
 
 
 def locking_coefficient(kinematics: StageKinematics) -> Scalar:
@@ -43,7 +43,7 @@ def locking_coefficient(kinematics: StageKinematics) -> Scalar:
     There the moments of normal force and friction about the screw's axis are equal,
     `μ = −(n × r)_z ‖v‖ / (v × r)_z`.
     """
-    side, direction = kinematics.meshing.screw, _unit(kinematics)
+    side, direction = kinematics.sliding, _unit(kinematics)
     angle = side.contact_angle_position
     tangent = jnp.stack([-jnp.sin(angle), jnp.cos(angle)])
     return dot_few(side.normal[:2], tangent) / dot_few(direction[:2], tangent)
@@ -72,7 +72,7 @@ def _effective_coefficient(
     law_inputs = {}
     if law is not None and law.asks:
         assert load is not None
-        normal = -kinematics.meshing.screw.normal[2] * stage.present_roller_count
+        normal = -kinematics.sliding.normal[2] * stage.present_roller_count
         (kinematics,) = with_resistance((stage,), (kinematics,))
         law_inputs = law_inputs_of(law, kinematics, slip, jnp.abs(load) / normal)
     per_force, _ = thread_friction(law, slip.velocity, slip.direction, law_inputs)
@@ -102,6 +102,7 @@ def jamming_margin(
     - `speed`: screw speed, on which friction may depend [rad/s].
     - `load`: on the last nut; needed only by laws that ask for it (`friction_needs_load`) [N].
     """
+    require_type(mechanism.stages, "the jamming margin is", ("standard", "inverted"))
     margins = []
     for stage, geometry in zip(mechanism.stages, kinematics, strict=True):
         friction = _effective_coefficient(stage, geometry, speed, load)
@@ -138,6 +139,7 @@ def self_locking_margin(
     **Returns:** the margin, and whether the factor was found (it is not where friction does not
     grow enough to hold the load, or where so much friction puts the carriers out of balance).
     """
+    require_type(mechanism.stages, "the margin to self-locking is", ("standard", "inverted"))
     if len(mechanism.stages) == 1 and _proportional_to_force(mechanism.stages[0].friction):
         stage, geometry = mechanism.stages[0], kinematics[0]
         ratio = _effective_coefficient(stage, geometry, speed, load)

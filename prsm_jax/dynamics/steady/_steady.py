@@ -1,6 +1,7 @@
 """Steady state, without integration."""
 
 import dataclasses
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -10,9 +11,9 @@ from ...contact import load_of, speed_of
 from ...fields import Scalar
 from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, of_one_design
-from ...numerics import above_or_nan, apart, length_few, sum_few
+from ...numerics import above_or_nan, apart, dot_few, length_few, sum_few
 from ...programs import AbstractResult, listed, one_program, physics
-from .._kinematics import StageKinematics, stage_kinematics, travel_per_turn
+from .._kinematics import StageKinematics, stage_kinematics, travel_per_turn, travel_share
 from ..forces import (
     Motion,
     StageState,
@@ -20,9 +21,11 @@ from ..forces import (
     forces_by_stage,
     losses,
     roller_support_forces,
+    screw_forces,
 )
-from ..friction import with_resistance
+from ..friction import turned, with_resistance
 from ._carrier_balance import balanced_carrier_ratio
+from ._two_sliding_sides import pin_force, torque_on_screw, two_sliding_sides
 
 #: Load in place of 0, too small to change anything but ratios: efficiency is then its limit [N].
 _NO_LOAD = 1e-30
@@ -173,6 +176,17 @@ def _steady_states(
     for state in states:
         # Beyond jamming the axial balance requires a contact that pulls.
         pushed = pushed & above_or_nan(state.forces.contact_force)
+    code, solved = _code(mechanism, meshed, pushed, balanced)
+    return states, ratios[::-1], code, solved
+
+
+def _code(
+    mechanism: Mechanism,
+    meshed: Bool[Array, ""],
+    pushed: Bool[Array, ""],
+    balanced: Bool[Array, ""],
+) -> tuple[Int[Array, ""], Bool[Array, ""]]:
+    """The result code, and whether forces balance."""
     code = jnp.where(meshed, jnp.where(pushed, jnp.where(balanced, 0, 3), 2), 4)
     solved = code == 0
     stages = mechanism.stages
@@ -180,8 +194,7 @@ def _steady_states(
     possible = jnp.stack([dimensions_possible(stage) for stage in stages]).all()
     code = jnp.where((code == 0) & ~fit, _OVERLAPPING, code)
     # This takes precedence: with a negative lead the other checks may pass.
-    code = jnp.where(possible, code, _IMPOSSIBLE)
-    return states, ratios[::-1], code, solved
+    return jnp.where(possible, code, _IMPOSSIBLE), solved
 
 
 def all_kinematics(mechanism: Mechanism) -> tuple[StageKinematics, ...]:
@@ -216,7 +229,9 @@ def steady_state(
     The carrier speed follows from f·d = 0, which is linear in it, and depends on geometry alone.
     Losses inside the contact ellipses, where modelled, shift it slightly. Forces then follow stage
     by stage from the load, and the efficiency is `F_n Σ L / (2π M)`, or its inverse when the load
-    drives. At speed 0 the slip direction is that of impending motion.
+    drives. Where the nut has grooves the load drives the carriers as well, and their speed, with it
+    the travel per turn, depends on friction. Where rollers slide in the nut too, their own rotation
+    is a second unknown. At speed 0 the slip direction is that of impending motion.
 
     A negative load is carried by the opposite flanks.
 
@@ -240,10 +255,101 @@ def steady_state(
     sense = jnp.where(speed == 0, onset_sense, jnp.sign(speed))
     sense = jax.lax.stop_gradient(sense)
 
+    if mechanism.stages[-1].thread.family.carrying is None:
+        return _assembled(_of_two_sides(mechanism, kinematics, speed, sense, load), speed, load)
     states, ratios, code, solved = _steady_states(mechanism, kinematics, speed, sense, load)
     torque = states[0].screw.drive_torque
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
+    share = travel_share(mechanism.stages[-1].thread, ratios[-1])
+    if share is not None:
+        travel = travel * share
     loss_powers = losses(mechanism, kinematics, states, speed)
+    supports = [
+        roller_support_forces(stage, geometry, state, None)
+        for stage, geometry, state in zip(mechanism.stages, kinematics, states, strict=True)
+    ]
+    solution = _Solution(
+        torque=torque,
+        travel=travel,
+        losses=loss_powers,
+        carrier_ratio=jnp.stack(ratios),
+        nut_load=jnp.stack([s.nut_load for s in states]),
+        slip_speed=jnp.stack([length_few(s.motion.slip) for s in states]),
+        forces=forces_by_stage(kinematics, states, supports),
+        sense=sense,
+        code=code,
+        solved=solved,
+    )
+    return _assembled(solution, speed, load)
+
+
+class _Solution(NamedTuple):
+    """What the steady state of any type of roller screw is assembled from."""
+
+    torque: Scalar
+    #: Travel of the last nut per radian of the screw [m/rad].
+    travel: Scalar
+    losses: dict[str, Scalar]
+    carrier_ratio: Float[Array, " stages"]
+    nut_load: Float[Array, " stages"]
+    slip_speed: Float[Array, " stages"]
+    #: Results of all stages by name, as `forces_by_stage` gives them.
+    forces: dict[str, Array]
+    sense: Scalar
+    code: Int[Array, ""]
+    solved: Bool[Array, ""]
+
+
+def _of_two_sides(
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    speed: Scalar,
+    sense: Scalar,
+    load: Scalar,
+) -> _Solution:
+    """Steady motion of rollers that slide on both sides; such a roller screw has one stage."""
+    (stage,), (geometry,) = mechanism.stages, kinematics
+    count = stage.present_roller_count
+    flank = jnp.where(load < 0, -1.0, 1.0).astype(load.dtype)
+    sides = two_sliding_sides(stage, geometry, flank * speed, flank * sense, flank * load)
+    moment = flank * torque_on_screw(geometry, count, sides.screw)
+    screw = screw_forces(stage, moment, load, speed, sense, None, None, None, None)
+    powers: dict[str, Scalar] = {}
+    if stage.thread_law is not None:
+        both = [dot_few(side.friction, side.slip) for side in (sides.screw, sides.nut)]
+        powers["thread_sliding"] = count * (both[0] + both[1])
+    if screw.bearing_torque is not None:
+        powers["thrust_bearing"] = screw.bearing_torque * speed
+    if screw.drag_torque is not None:
+        powers["drag"] = screw.drag_torque * speed
+    zero, force = jnp.zeros_like(load), sides.screw.force
+    rows = {
+        "contact_force": force,
+        "screw_roller_axial_force": -force * geometry.meshing.screw.normal[2],
+        "ring_gear_force": zero,
+        "carrier_force": pin_force(stage, sides, speed),
+        "spline_friction": zero,
+        "slip_direction": turned(sides.screw.direction, flank),
+    }
+    pushed = above_or_nan(force) & above_or_nan(sides.nut.force)
+    code, solved = _code(mechanism, geometry.meshing.converged, pushed, sides.converged)
+    return _Solution(
+        torque=screw.drive_torque,
+        travel=travel_per_turn(mechanism.stages, 1),
+        losses=powers,
+        carrier_ratio=sides.carrier_ratio[None],
+        nut_load=load[None],
+        slip_speed=length_few(sides.screw.slip)[None],
+        forces={name: row[None] for name, row in rows.items()},
+        sense=sense,
+        code=code,
+        solved=solved,
+    )
+
+
+def _assembled(solution: _Solution, speed: Scalar, load: Scalar) -> SteadyState:
+    """The steady state, with efficiency and power balance."""
+    torque, travel, sense, code = solution.torque, solution.travel, solution.sense, solution.code
     forward = sense * load > 0
     useful, driving = (
         jnp.where(forward, load * travel, torque),
@@ -251,26 +357,22 @@ def steady_state(
     )
     drive_power, load_power = torque * speed, load * travel * speed
     largest_power = jnp.maximum(jnp.abs(drive_power), jnp.abs(load_power))
-    imbalance = drive_power - load_power - sum(loss_powers.values())
-    supports = [
-        roller_support_forces(stage, geometry, state, None)
-        for stage, geometry, state in zip(mechanism.stages, kinematics, states, strict=True)
-    ]
+    imbalance = drive_power - load_power - sum(solution.losses.values())
     result = SteadyState(
         efficiency=useful / driving,
-        carrier_ratio=jnp.stack(ratios),
+        carrier_ratio=solution.carrier_ratio,
         drive_torque=torque,
-        nut_load=jnp.stack([s.nut_load for s in states]),
+        nut_load=solution.nut_load,
         screw_speed=speed,
-        slip_speed=jnp.stack([length_few(s.motion.slip) for s in states]),
-        **forces_by_stage(kinematics, states, supports),
-        losses=loss_powers,
+        slip_speed=solution.slip_speed,
+        **solution.forces,
+        losses=solution.losses,
         input_power=jnp.where(forward, drive_power, -load_power),
         output_power=jnp.where(forward, load_power, -drive_power),
         power_balance_residual=jnp.abs(imbalance)
         / jnp.where(largest_power > 0, largest_power, 1.0),
         valid=code == 0,
-        solved=solved,
+        solved=solution.solved,
         code=jnp.where((code == 0) & ~forward & (useful / driving < 0), 1, code),
     )
     return _marked(result)

@@ -132,9 +132,12 @@ def nut_outer_radius(stage: Stage) -> Scalar:
 def nut_unit_mass(stage: Stage) -> Scalar:
     """Mass of the nut with what it carries [kg]: rollers; ring gear, carriers if present.
 
+    In an inverted roller screw, where the screw carries the rollers, that of the screw with them.
+
     **Raises:** `MissingDataError` as in `body_mass`.
     """
-    mass = body_mass(stage, "nut") + stage.present_roller_count * mean_roller_mass(stage)
+    held = body_mass(stage, stage.thread.family.held)
+    mass = held + stage.present_roller_count * mean_roller_mass(stage)
     if stage.ring_gear is not None:
         mass = mass + body_mass(stage, "ring_gear")
     if stage.carrier is not None:
@@ -144,4 +147,4 @@ def nut_unit_mass(stage: Stage) -> Scalar:
 
 def stage_mass(stage: Stage) -> Scalar:
     """Mass of all bodies of a stage [kg]: screw, rollers, nut; ring gear, carriers if present."""
-    return body_mass(stage, "screw") + nut_unit_mass(stage)
+    return body_mass(stage, stage.thread.family.turning) + nut_unit_mass(stage)

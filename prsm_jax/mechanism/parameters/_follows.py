@@ -11,6 +11,7 @@ _SETS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "lead": (("lead",), ()),
     "starts": (("starts",), ()),
     "roller_radius": (("roller_radius",), ()),
+    "radius_ratio": (("radius_ratio",), ()),
     "contact_angle": (("contact_angle",), ()),
     "roller_profile_radius": (("roller_profile_radius",), ()),
     "flank_angle": (("contact_angle",), ()),
@@ -28,21 +29,28 @@ _DERIVED: dict[str, tuple[str, ...]] = {
     "centre_distance": ("roller_radius", "starts"),
     "flank_angle": ("contact_angle",),
 }
+#: Derived numbers that have the ratio of the radii.
+_RADII = ("screw_radius", "nut_radius", "centre_distance")
 
 
 def _dependencies(stage: Stage) -> dict[str, tuple[str, ...]]:
     dependencies = {name: (name,) for name in ("lead", "starts", "roller_radius", "contact_angle")}
     dependencies |= _DERIVED
+    ratio = "radius_ratio"
+    if stage.thread.family.ratio_beyond_starts is None:
+        # The ratio of the radii is a number of its own.
+        dependencies |= dict.fromkeys(_RADII, ("roller_radius", ratio)) | {ratio: (ratio,)}
     has_profile_radius = stage.thread.roller_profile_radius is not None
     own = ("roller_profile_radius",) if has_profile_radius else ("roller_radius", "contact_angle")
     dependencies["roller_profile_radius"] = own
     if stage.gear is not None and stage.gear.roller_teeth is not None:
         dependencies["gear_module"] = ("roller_radius",)
-        dependencies["ring gear teeth"] = ("starts",)
+        if stage.gear.ring_teeth is None:
+            dependencies["ring gear teeth"] = ("starts",)
     bodies = ("screw", "roller", "nut", "carrier", "ring_gear")
     parts = [(body, getattr(stage, body)) for body in bodies]
     if any(part is not None and part.mass is None and part.length is not None for _, part in parts):
-        dependencies["masses from dimensions"] = ("roller_radius", "starts")
+        dependencies["masses from dimensions"] = dependencies["nut_radius"]
     return dependencies
 
 
@@ -73,6 +81,8 @@ def what_follows(
     stage = mechanism.stages[int(parts[1]) - 1]
     fixed = {find_parameters(mechanism, other)[0].path.rpartition(".")[2] for other in frozen}
     sets, constant = _SETS[field]
+    if constant == ("screw_radius",):
+        sets = tuple(_dependencies(stage)["screw_radius"])
     follows, stays = [], []
     for other, needs in _dependencies(stage).items():
         if other == field:

@@ -106,7 +106,7 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
         "m",
         "nominal screw radius at fixed starts; roller, nut and centre distance follow",
         lambda t: t.screw_radius,
-        lambda t, v: _with(t, roller_radius=v / (t.starts - 2)),
+        lambda t, v: _with(t, roller_radius=v / t.screw_ratio),
         OF_A_THREAD,
     ),
     DesignVariable(
@@ -114,7 +114,7 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
         "m",
         "roller radius at fixed screw radius and lead; starts 2 + r_s/r_R follow as a real number",
         lambda t: t.roller_radius,
-        lambda t, v: _with(t, roller_radius=v, starts=2 + t.screw_radius / v),
+        lambda t, v: _with(t, roller_radius=v, **t.for_screw_ratio(t.screw_radius / v)),
         OF_A_THREAD,
     ),
     DesignVariable(
@@ -126,6 +126,10 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
         STARTS,
     ),
 )
+
+
+#: Numbers of starts, whose limit depends on the type of roller screw.
+_STARTS = ("starts", "starts_at_fixed_pitch")
 
 
 def _number_of(element, index: int) -> str:
@@ -194,7 +198,7 @@ def _stage_at(index: int) -> Callable[..., Any]:
     return lambda mechanism: mechanism.stages[index]
 
 
-def _design_parameter(index: int, variable: DesignVariable) -> Parameter:
+def _design_parameter(index: int, variable: DesignVariable, thread: Thread) -> Parameter:
     def get(mechanism):
         return variable.get(mechanism.stages[index].thread)
 
@@ -208,7 +212,7 @@ def _design_parameter(index: int, variable: DesignVariable) -> Parameter:
         variable.description,
         get,
         set_,
-        limit=variable.limit,
+        limit=thread.starts_limit if variable.name in _STARTS else variable.limit,
     )
 
 
@@ -247,7 +251,9 @@ def _numbers_and_words(mechanism: Mechanism) -> Iterator[Parameter]:
             parts.append((name, lambda m, name=name: getattr(m, name), getattr(mechanism, name)))
     for index, (name, where, part) in enumerate(parts):
         of_stage = index < len(mechanism.stages)
-        variables = [_design_parameter(index, v) for v in DESIGN_VARIABLES] if of_stage else []
+        variables = []
+        if of_stage:
+            variables = [_design_parameter(index, v, part.thread) for v in DESIGN_VARIABLES]
         yield from variables
         if of_stage and part.gear_module is not None:
             yield _gear_module(index)
@@ -256,9 +262,11 @@ def _numbers_and_words(mechanism: Mechanism) -> Iterator[Parameter]:
             dotted = ".".join((name, *path))
             if dotted not in names:
                 get, set_ = _at(where, one.static, path)
-                unit = one.unit or "1"
+                unit, limit = one.unit or "1", one.limit
+                if of_stage and path == ("thread", "starts"):
+                    limit = part.thread.starts_limit
                 yield Parameter(
-                    dotted, unit, one.description, get, set_, one.static, one.limit, one.words
+                    dotted, unit, one.description, get, set_, one.static, limit, one.words
                 )
 
 

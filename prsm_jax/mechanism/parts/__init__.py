@@ -37,6 +37,13 @@ from ._design_problem import (
     Variable as Variable,
     operating_range as operating_range,
 )
+from ._family import (
+    FAMILIES as FAMILIES,
+    ROLLER_SCREW_TYPES as ROLLER_SCREW_TYPES,
+    Family as Family,
+    RollerScrewType as RollerScrewType,
+    Side as Side,
+)
 from ._line_contact import LineContact as LineContact
 from ._load_sharing import (
     LoadSharing as LoadSharing,

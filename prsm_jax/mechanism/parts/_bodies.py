@@ -138,14 +138,21 @@ class Carrier(Limited):
 class Gear(Limited):
     """The gear pair that synchronises the rollers: a spur gear at the roller's ends in a ring gear.
 
-    Its pitch circles are the nominal circles of the threads, so the module 2 r_R / z_R and the
-    number of ring gear teeth n z_R follow from the thread.
+    The teeth of an inverted roller screw are on its screw, in place of a ring gear. Pitch circles
+    are the nominal circles of the threads, so the module 2 r_R / z_R and, unless given, the number
+    of ring gear (or screw) teeth n z_R follow from the thread.
     """
 
     pressure_angle: Number = number("rad", "pressure angle", limit=ACUTE_ANGLE)
     roller_teeth: OptionalNumber = optional_number(
         "1",
         "number of teeth of the roller's gear, z_R; needed for the mesh stiffness",
+        limit=POSITIVE,
+    )
+    ring_teeth: OptionalNumber = optional_number(
+        "1",
+        "number of teeth of the ring gear (of the screw in an inverted roller screw); n z_R, which "
+        "matches the thread, when absent",
         limit=POSITIVE,
     )
     face_width: OptionalNumber = optional_number("m", "face width; needed for the mesh stiffness")

@@ -22,7 +22,8 @@ def mass(analysis: Analysis):
     "nut_unit_mass",
     "m_n",
     "kg",
-    "mass of what moves along the screw: nuts, rollers, carriers and ring gears of all stages",
+    "mass of what moves along the axis: nuts (the screw of an inverted roller screw), rollers, "
+    "carriers and ring gears of all stages",
 )
 def nut_unit_mass(analysis: Analysis):
     return jnp.sum(_per_stage(analysis, stage_nut_unit_mass))

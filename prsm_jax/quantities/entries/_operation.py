@@ -6,7 +6,14 @@ import jax
 import jax.numpy as jnp
 
 from ..._errors import MissingDataError
-from ...dynamics import free_carrier_ratio, has_contact_losses, steady_state, travel_per_turn
+from ...dynamics import (
+    free_carrier_ratio,
+    has_contact_losses,
+    roller_migration as stage_roller_migration,
+    steady_state,
+    travel_per_turn,
+    travel_share,
+)
 from ...strength import load_spectrum
 from .._analysis import Analysis
 from .._catalogue import quantity
@@ -35,10 +42,17 @@ def efficiency_backward(analysis: Analysis):
 
 
 @_with_friction(
-    "carrier_ratio", "ζ", "1", "carrier speed over screw speed, steady state", ("stage",)
+    "carrier_ratio",
+    "ζ",
+    "1",
+    "carrier speed over screw (turning nut) speed, steady state",
+    ("stage",),
 )
 def carrier_ratio(analysis: Analysis):
-    if not any(has_contact_losses(stage.friction) for stage in analysis.mechanism.stages):
+    stages = analysis.mechanism.stages
+    families = [stage.thread.family for stage in stages]
+    geometric = all(one.carrying is not None and one.lead_is_fixed for one in families)
+    if geometric and not any(has_contact_losses(stage.friction) for stage in stages):
         # The ratio depends on geometry only; no force is needed.
         return jnp.stack([free_carrier_ratio(geometry) for geometry in analysis.kinematics])
     return analysis.steady.carrier_ratio
@@ -93,7 +107,23 @@ for _name, _description in (
 @quantity("nut_speed", "v_n", "m/s", "axial speed of the last nut, magnitude")
 def nut_speed(analysis: Analysis):
     stages = analysis.mechanism.stages
-    return jnp.abs(analysis.speed) * travel_per_turn(stages, len(stages))
+    speed = jnp.abs(analysis.speed) * travel_per_turn(stages, len(stages))
+    if stages[-1].thread.family.lead_is_fixed:
+        return speed
+    share = travel_share(stages[-1].thread, analysis.steady.carrier_ratio[-1])
+    return speed if share is None else speed * share
+
+
+@quantity(
+    "roller_migration",
+    "Δ_R",
+    "m",
+    "axial travel of the rollers in the nut (on the screw of an inverted roller screw) per turn of "
+    "the carrier: 0 unless the gear does not match the thread; the lead of a recirculating one",
+    ("stage",),
+)
+def roller_migration(analysis: Analysis):
+    return jnp.stack([stage_roller_migration(stage) for stage in analysis.mechanism.stages])
 
 
 @_with_friction("duty_efficiency", "η_duty", "1", "output over input energy of the duty cycle")

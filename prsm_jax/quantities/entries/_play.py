@@ -9,7 +9,7 @@ from ..._errors import MissingDataError
 from ...dynamics import steady_state
 from ...fields import Scalar
 from ...friction import Friction
-from ...mechanism import Mechanism, Stage
+from ...mechanism import Mechanism, Stage, require_type
 from ...numerics import above_or_nan
 from .._analysis import Analysis
 from .._catalogue import quantity
@@ -101,6 +101,7 @@ def preload_torque(analysis: Analysis):
 
 def _preload_torque(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     preload = strength.preload_force(stage)
+    require_type((stage,), "the drag of a preload is", ("standard", "inverted", "recirculating"))
     if stage.friction is None:
         raise MissingDataError("the stage has no friction; give [stage.friction.thread]")
     # Not `dataclasses.replace`: that would run converters, which a batched leaf may not pass.

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...dynamics import Transient, travel_per_turn
-from ...mechanism import Mechanism
+from ...mechanism import Mechanism, require_type
 from ...text import DisplayUnit, display_unit, number, trimmed
 from .._style import INK, SMALL, TEXT, Figure, drawn, page_figure, place_axes
 from ..motion_charts import integrated, travel_of
@@ -40,6 +40,7 @@ def poses(
     mechanism: Mechanism, run: Transient, frames: int
 ) -> tuple[np.ndarray, list[Pose], float]:
     """Times [s], the positions of all bodies at each, and the scale of the angles."""
+    require_type(mechanism.stages, "the animation of a transient is")
     time = np.asarray(run.time)
     at = np.linspace(time[0], time[-1], frames)
     screw = np.interp(at, time, integrated(run, run.screw_speed))

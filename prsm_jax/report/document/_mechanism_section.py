@@ -22,7 +22,7 @@ def mechanism_section(data: ReportData) -> Section:
     point = data.mechanism.operating_point
     if point is not None:
         operating = [
-            ("screw speed", show(float(point.speed), "rad/s")),
+            (f"{stages[0].thread.family.turning} speed", show(float(point.speed), "rad/s")),
             ("axial load", show(float(point.load), "N")),
         ]
         if point.duration is not None:
@@ -78,6 +78,9 @@ def _stage_rows(stage: Stage):
     def angle(value) -> str:
         return f"{trimmed(math.degrees(float(value)), 2)}°"
 
+    if stage.type != "standard":
+        yield "type", f"{stage.type}: {thread.family.radii}; travel per turn {thread.family.travel}"
+        yield "body that turns", thread.family.turning
     present, positions = stage.present_roller_count, stage.roller_count
     yield "rollers", str(present) if present == positions else f"{present} in {positions} places"
     yield "thread starts of screw and nut", trimmed(float(thread.starts))

@@ -26,7 +26,7 @@ def draw_axial_section(sheet: Sheet, dims: DrawingDimensions) -> None:
     roller = dims.drawn_roller_length / 2
     gear = min(dims.gear_width or 0.0, roller / 2)
     threaded = roller - gear
-    _screw(sheet, dims, half)
+    _screw(sheet, dims, half, threaded)
     _nut(sheet, dims, threaded)
     _roller(sheet, dims, roller, threaded)
     _carriers(sheet, dims, roller)
@@ -49,10 +49,13 @@ def _fill(sheet: Sheet, xs, ys, body: str, hatch: str = "", **kwargs) -> None:
         sheet.axes.add_patch(Polygon(points, closed=True, label=body, **outline))
 
 
-def _screw(sheet: Sheet, dims: DrawingDimensions, half: float) -> None:
+def _screw(sheet: Sheet, dims: DrawingDimensions, half: float, threaded: float) -> None:
     complete = dims.screw_length is not None and dims.screw_length / 2 <= half
     end = dims.screw_length / 2 if complete and dims.screw_length is not None else half
-    centres = tooth_centres(dims, -end, end, shifted=True)
+    # A screw that carries its rollers has thread only where they are, and teeth beside it.
+    carries = dims.family.carrying == "screw"
+    reach = min(end, threaded) if carries else end
+    centres = tooth_centres(dims, -reach, reach, shifted=True)
     along, radius = screw_profile(dims, centres)
     bore = dims.bore_radius or 0.0
     root = dims.screw_radius - dims.screw_dedendum
@@ -63,6 +66,11 @@ def _screw(sheet: Sheet, dims: DrawingDimensions, half: float) -> None:
     xs = np.concatenate([-left[::-1, 0], along, right[:, 0]])
     ys = np.concatenate([left[::-1, 1], radius, right[:, 1]])
     _fill(sheet, xs, ys, "screw", hatch="\\\\\\\\")
+    if carries and dims.gear_width is not None:
+        for sign in (-1, 1):
+            inside, outside = sign * threaded, sign * (threaded + dims.gear_width)
+            xs = [inside, outside, outside, inside]
+            _fill(sheet, xs, [root, root, dims.screw_radius, dims.screw_radius], "screw")
     if bore:
         sheet.line((-end, end), (bore, bore), color=INK)
 
@@ -77,7 +85,8 @@ def _break_line(x: float, top: float, bottom: float):
 def _nut(sheet: Sheet, dims: DrawingDimensions, threaded: float) -> None:
     half, outer = dims.drawn_nut_length / 2, dims.drawn_outer_radius
     plain = dims.nut_radius + dims.roller_addendum
-    centres = tooth_centres(dims, -min(threaded, half), min(threaded, half), shifted=False)
+    reach = half if dims.family.carrying == "screw" else min(threaded, half)
+    centres = tooth_centres(dims, -reach, reach, shifted=not dims.shifted_at_nut)
     along, radius = nut_profile(dims, centres)
     xs = np.concatenate([[-half], along, [half, half, -half]])
     ys = np.concatenate([[plain], radius, [plain, outer, outer]])
@@ -105,7 +114,8 @@ def _nut(sheet: Sheet, dims: DrawingDimensions, threaded: float) -> None:
 
 def _roller(sheet: Sheet, dims: DrawingDimensions, roller: float, threaded: float) -> None:
     a = dims.centre_distance
-    top = roller_profile(dims, tooth_centres(dims, -threaded, threaded, shifted=True), 1)
+    outside = tooth_centres(dims, -threaded, threaded, shifted=dims.shifted_at_nut)
+    top = roller_profile(dims, outside, 1)
     bottom = roller_profile(dims, tooth_centres(dims, -threaded, threaded, shifted=False), -1)
     high, low = a + dims.roller_radius, a - dims.roller_radius
     end = [threaded, roller, roller, threaded]

@@ -127,13 +127,23 @@ def _legend(
     figure.text(
         *_at(figure, PAGE_WIDTH / 2, 4.0),
         f"Dimensions in mm; bodies at their nominal radii. On A4: views {_ratio(scale)}, detail "
-        f"{_ratio(detail_scale)}.\nThe pitch circle of the gear is the nominal circle of the nut; "
-        "contacts with the screw are projected into the detail.",
+        f"{_ratio(detail_scale)}.\n{_gears_and_contacts(every)}",
         fontsize=SMALL,
         color=MUTED,
         ha="center",
         va="center",
     )
+
+
+def _gears_and_contacts(every: list[DrawingDimensions]) -> str:
+    """What the drawing shows of gears, and of contacts outside of its plane, in words."""
+    gears = sorted({str(d.family.gear_body) for d in every if d.family.gear_body is not None})
+    sliding = sorted({side for d in every for side in d.family.sliding}, reverse=True)
+    contacts = f"contacts with the {' and the '.join(sliding)} are projected into the detail."
+    if not gears:
+        return contacts.capitalize()
+    bodies = " or ".join(gears)
+    return f"The pitch circle of the gear is the nominal circle of the {bodies}; {contacts}"
 
 
 def _ratio(scale: float) -> str:

@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from ...geometry import mesh
-from ...mechanism import Mechanism, Stage, stage_at
+from ...geometry import ThreadContact, mesh
+from ...mechanism import FAMILIES, Family, Mechanism, Stage, stage_at
 
 #: Addendum of a thread where it is not given, as a share of the height of a pointed tooth.
 _USUAL_ADDENDUM = 0.7
@@ -58,6 +58,16 @@ class DrawingDimensions:
     #: `None` where screw and roller have no common normal.
     screw_contact: ContactPoint | None
     nut_contact: ContactPoint | None
+    #: What distinguishes the type of roller screw.
+    family: Family = FAMILIES["standard"]
+
+    @property
+    def shifted_at_nut(self) -> bool:
+        """Whether roller teeth towards the nut are half a pitch from those towards the screw.
+
+        Those of one start are; grooves are not.
+        """
+        return self.family.roller_hand != 0
 
     @property
     def drawn_outer_radius(self) -> float:
@@ -137,8 +147,13 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
     thread, carrier, ring = chosen.thread, chosen.carrier, chosen.ring_gear
     meshing = eqx.filter_jit(mesh)(thread)
     touching = bool(meshing.converged)
-    side = meshing.screw
-    radius, angle = 1e3 * float(side.contact_radius), float(side.contact_angle_position)
+
+    def point(contact: ThreadContact) -> ContactPoint | None:
+        radius, angle = 1e3 * float(contact.contact_radius), float(contact.contact_angle_position)
+        return (
+            ContactPoint(radius * math.cos(angle), radius * math.sin(angle)) if touching else None
+        )
+
     nut_radius, centre = 1e3 * float(thread.nut_radius), 1e3 * float(thread.centre_distance)
     screw_addendum, roller_addendum, screw_dedendum, roller_dedendum = _heights(chosen)
     wall = _millimetres(chosen.nut.wall_thickness)
@@ -175,8 +190,7 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
         carrier_outer_radius=None if width is None else centre + width / 2,
         carrier_length=None if carrier is None else _millimetres(carrier.length),
         carrier_count=0 if carrier is None else carrier.count,
-        screw_contact=ContactPoint(radius * math.cos(angle), radius * math.sin(angle))
-        if touching
-        else None,
-        nut_contact=ContactPoint(nut_radius, 0.0) if touching else None,
+        screw_contact=point(meshing.screw),
+        nut_contact=point(meshing.nut),
+        family=thread.family,
     )

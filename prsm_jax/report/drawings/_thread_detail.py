@@ -41,8 +41,9 @@ def draw_thread_detail(sheet: Sheet, dims: DrawingDimensions) -> None:
     }
     low, high = sheet.axes.get_ylim()
     screw = screw_profile(dims, between[True])
-    upper, lower = roller_profile(dims, between[True], 1), roller_profile(dims, between[False], -1)
-    nut = nut_profile(dims, between[False])
+    outside = between[dims.shifted_at_nut]
+    upper, lower = roller_profile(dims, outside, 1), roller_profile(dims, between[False], -1)
+    nut = nut_profile(dims, between[not dims.shifted_at_nut])
     axes = sheet.axes
     axes.fill_between(*screw, low, facecolor=BODY_COLOURS["screw"], linewidth=0)
     axes.fill_between(*nut, high, facecolor=BODY_COLOURS["nut"], linewidth=0)
@@ -72,14 +73,16 @@ def draw_thread_detail(sheet: Sheet, dims: DrawingDimensions) -> None:
 def _contact_marks(sheet: Sheet, dims: DrawingDimensions, between) -> None:
     """Loaded flanks of the roller's teeth: right-hand ones at the screw, left-hand at the nut.
 
-    The contact with the screw lies outside this plane and is shown in projection.
+    Contacts with a body on which rollers slide lie outside this plane, and are shown in projection.
     """
     style = {"ls": "", "marker": "o", "ms": 3.2, "mec": "white", "mew": 0.4, "zorder": 5}
     left, right = sheet.axes.get_xlim()
     if dims.nut_contact is not None:
-        xs = between[True] - dims.pitch / 4
+        inwards = dims.nut_radius - dims.nut_contact.x
+        xs = between[dims.shifted_at_nut] - dims.pitch / 2
+        xs = xs + straight_half_thickness(dims, inwards)
         xs = xs[(xs > left) & (xs < right)]
-        sheet.axes.plot(xs, np.full_like(xs, dims.nut_radius), mfc="#0072b2", **style)
+        sheet.axes.plot(xs, np.full_like(xs, dims.nut_contact.x), mfc="#0072b2", **style)
     if dims.screw_contact is not None:
         height = dims.screw_contact.x - dims.screw_radius
         xs = between[True] - straight_half_thickness(dims, height)
@@ -89,9 +92,8 @@ def _contact_marks(sheet: Sheet, dims: DrawingDimensions, between) -> None:
 
 def _pitch(sheet: Sheet, dims: DrawingDimensions) -> None:
     y = dims.nut_radius + sheet.paper(3.4)
-    words = (
-        f"pitch {trimmed(dims.pitch)}   (lead {trimmed(dims.lead)}, {trimmed(dims.starts)} starts)"
-    )
+    starts = "1 start" if dims.starts == 1 else f"{trimmed(dims.starts)} starts"
+    words = f"pitch {trimmed(dims.pitch)}   (lead {trimmed(dims.lead)}, {starts})"
     sheet.horizontal_dimension(0, dims.pitch, y, "", dims.nut_radius)
     sheet.text(dims.pitch / 2, y + sheet.paper(0.9), words, va="bottom")
 
@@ -125,7 +127,8 @@ def _profile_radius(sheet: Sheet, dims: DrawingDimensions) -> None:
     """An arrow from the arc's centre, or from the edge of the drawing, to the flank."""
     left, right = sheet.axes.get_xlim()
     radius, angle = dims.profile_radius, dims.flank_angle
-    tooth = dims.pitch * (math.floor(0.3 * right / dims.pitch) + 0.5)
+    place = 0.5 if dims.shifted_at_nut else 0.0
+    tooth = dims.pitch * (math.floor(0.3 * right / dims.pitch) + place)
     tip_x = tooth + float(roller_half_thickness(dims, 0.0))
     tip_y = dims.nut_radius
     direction = (-math.cos(angle), -math.sin(angle))

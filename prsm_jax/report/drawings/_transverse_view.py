@@ -92,12 +92,15 @@ def _dimensions(sheet: Sheet, dims: DrawingDimensions) -> None:
     def level(number: Length, sign: int = 1) -> float:
         return sign * (outer + sheet.paper(3.5 + _STEP * number))
 
+    def with_gear(body: str) -> str:
+        return f"{body} and gear" if body == dims.family.gear_body else body
+
     roller = f"Ø{trimmed(2 * r)} roller"
     sheet.horizontal_dimension(a - r, a + r, level(0), roller, 0.0, beside=True)
     sheet.horizontal_dimension(0, a, level(1), f"a = {trimmed(a)}", 0.0)
     below = [
-        (dims.screw_radius, f"Ø{trimmed(2 * dims.screw_radius)} screw"),
-        (dims.nut_radius, f"Ø{trimmed(2 * dims.nut_radius)} nut and gear"),
+        (dims.screw_radius, f"Ø{trimmed(2 * dims.screw_radius)} {with_gear('screw')}"),
+        (dims.nut_radius, f"Ø{trimmed(2 * dims.nut_radius)} {with_gear('nut')}"),
     ]
     if dims.nut_outer_radius is not None:
         below.append((outer, f"Ø{trimmed(2 * outer)} outside"))

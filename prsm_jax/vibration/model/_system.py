@@ -4,6 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..._errors import MissingDataError
 from ...fields import CountOrTraced, Scalar, as_count, at_least, plain
 from ...mechanism import Stage, Support, body_inertia, body_mass
 from ...stiffness import ThreadStiffness, ring_roller_stiffness
@@ -161,9 +162,10 @@ def _carrier(
 def vibration_system(stage: Stage, threads: ThreadStiffness) -> VibrationSystem:
     """Collect the masses and springs of one stage.
 
-    The thread springs act in the transverse plane: their stiffness on tangential displacements
-    u = r θ is k cos²β_R (Wu et al. 2022, equations 7 to 13). Without a ring gear, or without
-    a carrier, those degrees of freedom do not exist. Rollers move in translation only if
+    The thread springs act in the transverse plane: their stiffness on tangential displacements u =
+    r θ is k cos²β_R (Wu et al. 2022, equations 7 to 13). Without a ring gear, or without a carrier,
+    those degrees of freedom do not exist. The teeth of an inverted roller screw are on its screw,
+    where their springs act beside those of the threads. Rollers move in translation only if
     `stage.roller.support` is given; the carrier then does so too.
 
     **Arguments:**
@@ -206,6 +208,17 @@ def vibration_system(stage: Stage, threads: ThreadStiffness) -> VibrationSystem:
         None if each is None else each * projection
         for each in (threads.screw_each, threads.nut_each)
     )
+    if thread.family.gear_body == "screw":
+        teeth = ring_roller_stiffness(stage)
+        if teeth is not None and pins is not None:
+            raise MissingDataError(
+                f"vibration of an {stage.type} roller screw with a gear and with pins "
+                "(stage.roller.support) is not known, because threads and teeth on the screw push "
+                "rollers in different directions; remove one of them"
+            )
+        if teeth is not None:
+            screw = screw + teeth
+            screw_each = None if screw_each is None else screw_each + teeth
     bodies = [central("screw", thread.screw_radius, screw, 1, screw_each)]
     if ring_stiffness is not None:
         # The pitch circle of the ring gear is the nominal circle of the nut's thread.

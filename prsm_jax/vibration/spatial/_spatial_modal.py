@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from ...contact import load_of
 from ...fields import Scalar
 from ...geometry import mesh
-from ...mechanism import Mechanism, of_one_design, stage_at
+from ...mechanism import Mechanism, of_one_design, require_type, stage_at
 from ...programs import one_program, physics
 from ...stiffness import loaded_threads, thread_stiffness
 from ._modes import SpatialModes, spatial_modes
@@ -25,6 +25,7 @@ def stage_spatial_system(
     **Arguments, raises:** as `spatial_modal`.
     """
     chosen = stage_at(mechanism, stage)
+    require_type((chosen,), "vibration in space (spatial_modal) is")
     meshing = mesh(chosen.thread)
     threads = thread_stiffness(
         chosen,
@@ -73,9 +74,9 @@ def spatial_modal(
     - `motor_held`: whether the rotor of the axis' motor does not turn. The frequencies of the group
       `axial_torsional` are then the anti-resonances at the motor.
 
-    **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that does not
-    exist, fewer than 3 or unequal rollers, supports that differ in x and y, and a motor that is to
-    be held and does not exist.
+    **Raises:** `MissingDataError` if data are missing, or if it is not a standard roller screw;
+    `ValueError` for a stage that does not exist, fewer than 3 or unequal rollers, supports that
+    differ in x and y, and a motor that is to be held and does not exist.
     """
     system = stage_spatial_system(mechanism, stage, load, sticking=sticking, motor_held=motor_held)
     return spatial_modes(system, shapes=shapes)

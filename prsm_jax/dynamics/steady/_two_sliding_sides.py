@@ -1,0 +1,173 @@
+"""Steady state of rollers that slide on the screw and in the nut: recirculating roller screws.
+
+Grooves have no lead, so a roller advances over screw and nut, and slides on both. Two speeds are
+unknown, that of the carrier, ω, and that of the roller against it, σ. With the contact points
+(x, y) of both sides, the roller's axis at (a, 0) and the lead over 2π, h, the slips of screw and
+nut over the roller are, in the carrier's frame,
+
+    v_s = (Ω − ω) (−y_s, x_s, h) − σ (−y_s, x_s − a, 0)
+    v_n =      −ω (−y_n, x_n, h) − σ (−y_n, x_n − a, 0).
+
+Neither speed changes the nut's travel, so friction alone balances: with the friction forces f on
+the roller, `f_s·∂v_s/∂ω + f_n·∂v_n/∂ω = 0`, and the same for σ. The time in which a cam lifts a
+roller back is neglected: all rollers carry load at all times.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float
+
+from ..._errors import MissingDataError
+from ...fields import Scalar
+from ...friction import FrictionLaw
+from ...geometry import ThreadContact
+from ...mechanism import Stage, mean_roller_mass
+from ...numerics import dot_few, length_few, root_or_zero
+from ...programs import physics
+from .._kinematics import StageKinematics
+from ..friction import has_contact_losses, slip_direction, thread_friction
+from ._root_search import find_roots_and
+
+
+class SlidingSide(NamedTuple):
+    """Slip, normal force and friction of one side of a roller."""
+
+    slip: Float[Array, "3"]
+    direction: Float[Array, "3"]
+    #: Normal force on the roller, and its friction [N].
+    force: Scalar
+    friction: Float[Array, "3"]
+    on_roller: Float[Array, "3"]
+
+
+class TwoSides(NamedTuple):
+    """Steady motion and forces of one roller, in the frame of the loaded flank."""
+
+    #: ω/Ω and σ/Ω.
+    carrier_ratio: Scalar
+    spin_ratio: Scalar
+    screw: SlidingSide
+    nut: SlidingSide
+    converged: Bool[Array, ""]
+
+
+class _Slips(NamedTuple):
+    """Slip of one side per radian: of the screw, and its changes with ω and σ [m/rad]."""
+
+    per_screw: Float[Array, "3"]
+    per_carrier: Float[Array, "3"]
+    per_spin: Float[Array, "3"]
+    #: Axial part of the unit normal into the roller.
+    normal: Float[Array, "3"]
+
+    def at(self, carrier: Scalar, spin: Scalar) -> Float[Array, "3"]:
+        """Slip at ω/Ω and σ/Ω, per radian of the screw."""
+        return self.per_screw + carrier * self.per_carrier + spin * self.per_spin
+
+
+def _slips(contact: ThreadContact, distance: Scalar, lead: Scalar, turns: bool) -> _Slips:
+    x = contact.contact_radius * jnp.cos(contact.contact_angle_position)
+    y = contact.contact_radius * jnp.sin(contact.contact_angle_position)
+    zero = jnp.zeros_like(y)
+    around = jnp.stack([-y, x, lead])
+    own = around if turns else jnp.zeros_like(around)
+    return _Slips(own, -around, -jnp.stack([-y, x - distance, zero]), contact.normal)
+
+
+def _side(
+    law: FrictionLaw | None, slips: _Slips, turn: Float[Array, "3"], speed, sense, axial
+) -> SlidingSide:
+    """Forces of one side; `axial` is the axial force of the body on one roller [N]."""
+    velocity, direction = speed * turn, sense * slip_direction(turn)
+    per_force, constant = thread_friction(law, velocity, direction)
+    force = (axial - constant[2]) / (slips.normal[2] + per_force[2])
+    friction = force * per_force + constant
+    return SlidingSide(velocity, direction, force, friction, force * slips.normal + friction)
+
+
+def check_losses(stage: Stage) -> None:
+    """**Raises:** `MissingDataError` for losses that are not known where rollers slide twice."""
+    law = stage.thread_law
+    if has_contact_losses(stage.friction) or (law is not None and (law.asks or law.has_state)):
+        raise MissingDataError(
+            f"the steady state of a {stage.type} roller screw is known for thread friction that "
+            "depends on the slip speed alone; remove spin and rolling_hysteresis from "
+            "stage.friction, and choose Coulomb, Stribeck or viscous friction of the threads"
+        )
+
+
+@physics("two_sliding_sides")
+def two_sliding_sides(
+    stage: Stage, kinematics: StageKinematics, speed: Scalar, sense: Scalar, axial_force: Scalar
+) -> TwoSides:
+    """Carrier ratio, spin and forces at which friction on both sides balances.
+
+    Without friction any ratio is in balance; it is then that of vanishing equal friction.
+
+    **Arguments:**
+
+    - `stage`, `kinematics`: the stage and its meshing.
+    - `speed`, `sense`: Ω [rad/s] and its sense, +1 or −1, known at standstill too.
+    - `axial_force`: of all rollers together, in the frame of the loaded flank [N].
+
+    **Raises:** `MissingDataError` for losses other than thread friction by the slip speed.
+    """
+    check_losses(stage)
+    thread, law = stage.thread, stage.thread_law
+    distance, lead = thread.centre_distance, thread.lead / (2 * jnp.pi)
+    sides = (
+        _slips(kinematics.meshing.screw, distance, lead, True),
+        _slips(kinematics.meshing.nut, distance, lead, False),
+    )
+    axial = axial_force / stage.present_roller_count
+    start = thread.ideal_carrier_ratio
+    start_spin = -thread.rolling_ratio * start
+    # Where the slip turns: its axial part over the change of its transverse part.
+    narrow = lead / distance
+
+    def at(unknowns: Float[Array, "2"]):
+        carrier = start + unknowns[0] * narrow
+        spin = start_spin + unknowns[1] * narrow
+        turns = [one.at(carrier, spin) for one in sides]
+        screw = _side(law, sides[0], turns[0], speed, sense, -axial)
+        nut = _side(law, sides[1], turns[1], speed, sense, axial)
+        pushes = [
+            sense * side.friction if law is not None else side.force * slip_direction(turn)
+            for side, turn in zip((screw, nut), turns, strict=True)
+        ]
+        size = sum(length_few(push) for push in pushes)
+        size = jnp.where(size > 0, size, 1.0)
+        balance = [
+            sum(dot_few(push, getattr(one, name)) for push, one in zip(pushes, sides, strict=True))
+            for name in ("per_carrier", "per_spin")
+        ]
+        reach = jnp.stack([distance, thread.roller_radius])
+        return jnp.stack(balance) / (reach * size), (carrier, spin, screw, nut)
+
+    accuracy = 1e-10 if start.dtype == jnp.float64 else 1e-4
+    guess = jnp.zeros((2,), start.dtype)
+    _, converged, (carrier, spin, screw, nut) = find_roots_and(
+        at, guess, tolerance=accuracy, max_steps=40
+    )
+    return TwoSides(carrier, spin, screw, nut, converged)
+
+
+def torque_on_screw(kinematics: StageKinematics, count: Scalar | int, side: SlidingSide) -> Scalar:
+    """Torque of all rollers on the screw about its axis [N·m]."""
+    contact = kinematics.meshing.screw
+    angle = contact.contact_angle_position
+    arm = contact.contact_radius * jnp.stack([-jnp.sin(angle), jnp.cos(angle)])
+    return -count * dot_few(arm, side.on_roller[:2])
+
+
+def pin_force(stage: Stage, sides: TwoSides, speed: Scalar) -> Scalar:
+    """Force of one carrier pin on one end of a roller, with the centripetal force if masses are
+    known [N].
+    """
+    total = sides.screw.on_roller + sides.nut.on_roller
+    radial = -total[0]
+    if stage.roller.mass is not None or stage.roller.length is not None:
+        carrier = sides.carrier_ratio * speed
+        radial = radial - mean_roller_mass(stage) * carrier**2 * stage.thread.centre_distance
+    return root_or_zero((radial / 2) ** 2 + (total[1] / 2) ** 2)

@@ -1,0 +1,308 @@
+"""Steady motion of every type of roller screw against virtual power, in NumPy and SciPy.
+
+Points and normals come from the meshing; velocities from rigid bodies, forces from the balance of
+axial forces, and speeds from the balance of virtual power, none of it from the room of dynamics.
+"""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scipy.optimize
+from hypothesis import given, settings, strategies as st
+from scenes import STEEL, array, mesh, simulate, steady_state
+
+import prsm_jax as prsm
+from prsm_jax._errors import MissingDataError
+from prsm_jax.dynamics import all_kinematics, states_at
+from prsm_jax.dynamics.forces import roller_support_forces
+from prsm_jax.friction import CoulombFriction, Drag, Friction, ThrustBearingFriction
+from prsm_jax.mechanism import (
+    ROLLER_SCREW_TYPES,
+    Carrier,
+    Gear,
+    Mechanism,
+    Nut,
+    Roller,
+    Screw,
+    Stage,
+    Thread,
+)
+
+SPEED, LOAD = 100.0, 5000.0
+FREE = ("recirculating", "differential")
+
+
+def mechanism(
+    kind, radius=2e-3, ratio=6.0, helix=4.0, angle=45.0, friction=0.06, extra=True, **more
+):
+    """A stage of a type; `ratio` is r_n/r_R of a standard one and of those whose ratio is free."""
+    free = kind in FREE
+    starts = {"recirculating": 2.0, "differential": 1.0}.get(kind, ratio - 1)
+    screw = (ratio - 2) * radius if kind != "inverted" else starts * radius
+    if kind == "standard":
+        screw = (starts - 2) * radius
+    thread = Thread(
+        lead=2 * np.pi * screw * np.tan(np.radians(helix)),
+        starts=starts,
+        roller_radius=radius,
+        contact_angle=np.radians(angle),
+        radius_ratio=ratio if free else None,
+    )
+    losses = Friction(
+        thread=CoulombFriction(friction),
+        thrust_bearing=ThrustBearingFriction(0.003, 15e-3) if extra else None,
+        drag=Drag(0.05) if extra else None,
+    )
+    stage = Stage(
+        thread,
+        5,
+        type=kind,
+        friction=losses,
+        material=STEEL,
+        engaged_threads=15.0,
+        screw=Screw(length=0.3),
+        roller=Roller(length=0.03),
+        nut=Nut(length=0.05, wall_thickness=6e-3),
+        carrier=Carrier(inertia=1e-6),
+        gear=None if free else Gear(np.radians(20)),
+        **more,
+    )
+    return Mechanism((stage,))
+
+
+def _slips(thread, meshing, unknown, kind):
+    """Slip of screw and of nut over a roller, per radian of the body that turns, and its travel.
+
+    `unknown`: carrier speed, and the roller's speed against it where nothing rolls.
+    """
+    h = float(thread.lead) / (2 * np.pi)
+    n = float(thread.starts)
+    roller_lead = {"standard": h / n, "inverted": -h / n}.get(kind, 0.0)
+    nut_lead = 0.0 if kind == "differential" else h
+    centre, radius = float(thread.centre_distance), float(thread.roller_radius)
+    carrier = unknown[0]
+    screw, nut = (0.0, 1.0) if kind == "inverted" else (1.0, 0.0)
+    if kind == "inverted":
+        spin = carrier * float(thread.screw_radius) / radius
+    elif kind == "recirculating":
+        spin = unknown[1]
+    else:
+        spin = -carrier * float(thread.nut_radius) / radius
+    common = -h * (screw - carrier)
+    axial = {
+        "screw": 0.0,
+        "roller": common + roller_lead * spin,
+        "nut": common + nut_lead * (nut - carrier),
+    }
+    slips = {}
+    for side, speed in (("screw", screw), ("nut", nut)):
+        contact = getattr(meshing, side)
+        angle = float(contact.contact_angle_position)
+        x, y = (float(contact.contact_radius) * f(angle) for f in (np.cos, np.sin))
+        body = (speed - carrier) * np.array([-y, x, 0.0])
+        rolls = spin * np.array([-y, x - centre, 0.0])
+        slips[side] = body - rolls + [0.0, 0.0, axial[side] - axial["roller"]]
+    return slips, axial["nut"] - axial["screw"]
+
+
+def reference(one, friction, sense=1.0):
+    """Carrier ratio, travel per radian and efficiency of threads alone, by virtual power.
+
+    The power of friction and load does not change with the unknown speeds.
+    """
+    (stage,) = one.stages
+    thread, kind = stage.thread, stage.type
+    meshing = mesh(thread)
+    family = thread.family
+    ideal = np.array([float(thread.ideal_carrier_ratio)])
+    if family.carrying is None:
+        ideal = np.append(ideal, -ideal * float(thread.nut_radius) / float(thread.roller_radius))
+    zero, still = _slips(thread, meshing, 0 * ideal, kind)
+    bases = [_slips(thread, meshing, step, kind) for step in np.eye(ideal.size)]
+
+    def state(unknown):
+        slips, travel = _slips(thread, meshing, unknown, kind)
+        forces = {}
+        for side in family.sliding:
+            unit = slips[side] / np.linalg.norm(slips[side])
+            share = abs(float(getattr(meshing, side).normal_parts[2]))
+            forces[side] = 1 / (share - sense * friction * abs(unit[2]))
+        return slips, travel, forces
+
+    def imbalance(unknown):
+        slips, travel, forces = state(unknown)
+        rows = []
+        for other, moved in bases:
+            # The load resists travel, or drives it.
+            row = -sense * (moved - still) * np.sign(travel)
+            for side in family.sliding:
+                unit = slips[side] / np.linalg.norm(slips[side])
+                row -= friction * forces[side] * unit @ (other[side] - zero[side])
+            rows.append(row)
+        return np.array(rows) / float(thread.lead)
+
+    found = scipy.optimize.root(imbalance, ideal, method="hybr", options={"xtol": 1e-14})
+    slips, travel, forces = state(found.x)
+    loss = sum(friction * forces[side] * np.linalg.norm(slips[side]) for side in family.sliding)
+    useful = abs(travel)
+    efficiency = useful / (useful + loss) if sense > 0 else (useful - loss) / useful
+    return found.x[0], useful, efficiency
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+@pytest.mark.parametrize("kind", ROLLER_SCREW_TYPES)
+def test_ratio_travel_and_efficiency_by_virtual_power(kind, sense):
+    """To 1e-9: SciPy's finite differences end there."""
+    one = mechanism(kind, friction=0.06, extra=False)
+    found = steady_state(one, sense * SPEED, LOAD)
+    ratio, travel, efficiency = reference(one, 0.06, sense)
+    assert found.result_name == "successful"
+    assert float(found.carrier_ratio[0]) == pytest.approx(ratio, rel=1e-9)
+    assert float(found.efficiency) == pytest.approx(efficiency, rel=1e-9)
+    output = abs(float(found.output_power if sense > 0 else found.input_power))
+    assert output == pytest.approx(LOAD * travel * SPEED, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", ROLLER_SCREW_TYPES)
+def test_limits_of_efficiency_and_ratio_at_a_small_lead(kind):
+    """(1 − μ tan α)/(1 + μ cot α) and ideal rolling, with errors of the order of the lead.
+
+    The axial slips of screw and nut of a recirculating roller screw add up to the travel, so its
+    limit is the same. That of a differential one is reached from a smaller lead, because its load
+    also drives the carriers.
+    """
+    errors = []
+    for helix in (0.4, 0.04):
+        one = mechanism(kind, helix=helix, angle=50.0, friction=0.08, extra=False)
+        found = steady_state(one, SPEED, LOAD)
+        slope = np.tan(np.radians(40.0))
+        limit = (1 - 0.08 * slope) / (1 + 0.08 / slope)
+        errors.append(
+            (
+                abs(float(found.efficiency) - limit),
+                abs(float(found.carrier_ratio[0] - one.stages[0].thread.ideal_carrier_ratio)),
+            )
+        )
+    (efficiency, ratio), (smaller_efficiency, smaller_ratio) = errors
+    assert smaller_efficiency < 0.11 * efficiency + 1e-12
+    assert smaller_ratio < 0.11 * ratio + 1e-12
+
+
+@pytest.mark.parametrize("kind", ROLLER_SCREW_TYPES)
+@settings(max_examples=15)
+@given(data=st.data())
+def test_power_balances_at_random_dimensions(kind, data):
+    """Torque times speed is load times travel plus all losses, to rounding."""
+    ratio = st.integers(5, 9).map(float) if kind not in FREE else st.floats(4, 9)
+    one = mechanism(
+        kind,
+        radius=data.draw(st.floats(1e-3, 5e-3)),
+        ratio=data.draw(ratio),
+        helix=data.draw(st.floats(0.2, 4)),
+        angle=data.draw(st.floats(38, 52)),
+        friction=data.draw(st.floats(0.05, 0.12)),
+    )
+    speed = data.draw(st.sampled_from([-1.0, 1.0])) * data.draw(st.floats(1, 500))
+    load = data.draw(st.sampled_from([-1.0, 1.0])) * data.draw(st.floats(10, 1e4))
+    found = steady_state(one, speed, load)
+    assert bool(found.computed)
+    assert float(found.power_balance_residual) < 1e-12
+    assert set(found.losses) == {"thread_sliding", "thrust_bearing", "drag"}
+    assert all(float(power) > 0 for power in found.losses.values())
+
+
+@pytest.mark.parametrize("kind", ROLLER_SCREW_TYPES)
+def test_both_flanks_are_alike(kind):
+    """A load of the other sign, turned the other way, is the same mechanism from its other end."""
+    one = mechanism(kind)
+    first, second = (steady_state(one, s * SPEED, s * LOAD) for s in (1.0, -1.0))
+    np.testing.assert_allclose(second.efficiency, first.efficiency, rtol=1e-14)
+    np.testing.assert_allclose(second.drive_torque, -first.drive_torque, rtol=1e-14)
+    np.testing.assert_allclose(second.carrier_force, first.carrier_force, rtol=1e-12)
+
+
+def test_the_load_of_a_differential_screw_needs_friction():
+    """It drives the carriers, and only friction at the screw holds them: h F ≤ μ F_n |d|."""
+    one = mechanism("differential", friction=0.06, extra=False)
+    ratio = float(steady_state(one, SPEED, LOAD).carrier_ratio[0])
+    back = float(steady_state(one, -SPEED, LOAD).carrier_ratio[0])
+    ideal = float(one.stages[0].thread.ideal_carrier_ratio)
+    # Friction acts against the load in both senses of turning.
+    assert ratio > ideal > back or ratio < ideal < back
+    weak = mechanism("differential", friction=0.005, extra=False)
+    assert prsm.steady_state(weak, array(SPEED), array(LOAD)).result_name == "no_balance"
+    bare = dataclasses.replace(one.stages[0], friction=None)
+    with pytest.raises(MissingDataError, match="only thread friction can drive them or hold them"):
+        prsm.steady_state(Mechanism((bare,)), SPEED, LOAD)
+
+
+@pytest.mark.parametrize("kind", FREE)
+def test_gradients_of_efficiency_and_ratio(kind):
+    """Both modes against central differences of step 1e-6, whose error is below 1e-7."""
+    one = mechanism(kind)
+    names = ["lead", "roller_radius", "contact_angle", "radius_ratio"]
+    names.append("friction.thread.coefficient")
+
+    def both(changes):
+        moved = one
+        for name, change in zip(names, changes, strict=True):
+            value = prsm.get_parameter(one, name) * (1 + change)
+            moved = prsm.set_parameter(moved, name, value, checked=False)
+        found = prsm.steady_state(moved, array(SPEED), array(LOAD))
+        return jnp.stack([found.efficiency, found.carrier_ratio[0], found.drive_torque])
+
+    both = jax.jit(both)
+    zero, step = jnp.zeros(len(names)), 1e-6
+    forward = np.asarray(jax.jacfwd(both)(zero))
+    reverse = np.asarray(jax.jacrev(both)(zero))
+    central = np.stack(
+        [(both(step * e) - both(-step * e)) / (2 * step) for e in jnp.eye(len(names))], axis=-1
+    )
+    np.testing.assert_allclose(reverse, forward, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(forward, central, rtol=1e-6, atol=1e-8)
+    assert np.all(np.abs(forward[0, :3]) > 0)
+
+
+def test_an_inverted_screw_settles_to_its_steady_ratio():
+    """The carriers' equation is that of the standard type, with the inertias of its own bodies."""
+    one = mechanism("inverted", extra=False)
+    steady = steady_state(one, SPEED, LOAD)
+    run = simulate(one, prsm.Scenario(SPEED, LOAD, 2e-2))
+    assert int(run.solver.code) == 0
+    settled = run.carrier_speed[0, -1] / SPEED
+    np.testing.assert_allclose(settled, steady.carrier_ratio[0], rtol=1e-9)
+    # h of the start, at rest: f·d = I ω̇ with all of the friction along the slip.
+    np.testing.assert_allclose(run.power_balance_residual, 0.0, atol=1e-10)
+
+
+@pytest.mark.parametrize("kind", FREE)
+def test_what_is_not_known_names_the_type(kind):
+    one = mechanism(kind)
+    with pytest.raises(MissingDataError, match=f'transients are known .* not for type = "{kind}"'):
+        prsm.simulate(one, prsm.Scenario(SPEED, LOAD, 1e-3))
+    with pytest.raises(MissingDataError, match=f'all bodies .* not for type = "{kind}"'):
+        prsm.dynamics.body_forces(one, steady_state(one, SPEED, LOAD))
+    with pytest.raises(MissingDataError, match=f'not for type = "{kind}"'):
+        prsm.compute(one, ["self_locking_margin"], speed=SPEED, load=LOAD)
+
+
+@pytest.mark.parametrize("kind", ["standard", "inverted", "differential"])
+def test_forces_on_a_roller_balance_in_newtons_form(kind):
+    """Moments about the roller's axis, which Lagrange's equation of the carriers does not use.
+
+    Relative to the largest moment, the normal force of the screw at the roller's radius.
+    """
+    one = mechanism(kind, extra=False)
+    (stage,) = one.stages
+    kinematics = all_kinematics(one)
+    ratio = steady_state(one, SPEED, LOAD).carrier_ratio
+    scenario = prsm.Scenario(SPEED, LOAD, 1.0)
+    (state,) = states_at(one, kinematics, scenario, array(0.0), ratio * SPEED)
+    support = roller_support_forces(stage, kinematics[0], state, None)
+    size = state.forces.contact_force * stage.thread.roller_radius
+    assert abs(float(support.moment_residual / size)) < 1e-9
+    assert float(support.ring_gear_tangential) != 0
+    assert (float(support.ring_gear_force) == 0) == (kind == "differential")
