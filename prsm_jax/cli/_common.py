@@ -14,7 +14,7 @@ import jax
 import numpy as np
 from cyclopts import Parameter
 
-from ..findings import check, check_from, check_numbers, sources
+from ..findings import CheckNumbers, check_from, check_numbers, margin_numbers, sources
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
 from ..process import make_folder, whole_file
@@ -83,13 +83,17 @@ class Common(Output):
 
 def checked(mechanism: Mechanism) -> tuple[Finding, ...]:
     """Findings of `check`; the terminal announces it because its program compiles slowly."""
+    return check_from(mechanism, checked_numbers(mechanism))
+
+
+def checked_numbers(mechanism: Mechanism) -> CheckNumbers:
+    """Values of the margins, as `check_numbers`; announced as `checked` says."""
     doing("checking the design")
     if not runs_one_verb():
-        return check(mechanism)
+        return margin_numbers(mechanism)
     # Other sources of margins need another program.
     name = f"check_numbers {[origin_of(one) for one in sources()]}"
-    values = run_stored(name, check_numbers, mechanism, announced=True)
-    return check_from(mechanism, values)
+    return run_stored(name, check_numbers, mechanism, announced=True)
 
 
 def plain(value: Any) -> Any:

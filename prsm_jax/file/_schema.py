@@ -57,6 +57,8 @@ def _scenario(data: Any, place: Place) -> Any:
 
 _KEYS = {
     "title": Key(plain(read_text)),
+    "author": Key(plain(read_text)),
+    "revision": Key(plain(read_text)),
     "operating_point": Key(lambda v, at: read_module(TableChoice(OperatingPoint), v, at)),
     "stage": Key(_stages, "stages, as [[stage]]"),
     "duty_cycle": Key(_duty_cycle),

@@ -18,8 +18,8 @@ from prsm_jax.report.drawings._thread_profile import (
     nut_profile,
     roller_half_thickness,
     roller_profile,
+    screw_half_thickness,
     screw_profile,
-    straight_half_thickness,
     tooth_centres,
 )
 
@@ -128,7 +128,7 @@ def test_dimensions_are_written_in_millimetres(both):
 def test_flanks_are_straight_and_the_roller_is_an_arc(actuator):
     dims = drawing_dimensions(actuator)
     heights = np.linspace(-0.3, 0.3, 9)
-    straight = straight_half_thickness(dims, heights)
+    straight = screw_half_thickness(dims, heights)
     slope = -math.tan(dims.flank_angle)
     np.testing.assert_allclose(np.diff(straight) / np.diff(heights), slope, rtol=1e-12)
     # Points of the flank lie on a circle of the profile radius about its centre.
@@ -145,7 +145,7 @@ def test_threads_do_not_cut_into_each_other(actuator, larger):
         # Over common heights a tooth and the gap that it stands in: thickness adds up to a pitch
         # at most, and to exactly that at the nominal radius.
         height = np.linspace(-dims.roller_dedendum, dims.roller_addendum, 21)
-        room = dims.pitch / 2 - straight_half_thickness(dims, -height)
+        room = dims.pitch / 2 - screw_half_thickness(dims, -height)
         thick = roller_half_thickness(dims, height)
         assert (thick <= room + 1e-12).all()
         assert roller_half_thickness(dims, 0.0) == pytest.approx(dims.pitch / 4)
