@@ -114,10 +114,9 @@ def _with_lines(
         for line in lines:
             hertz = getattr(contacts[label], line.side).hertz
             way = line.direction(float(hertz.semi_major), float(hertz.semi_minor))
-            for axis in (0, 1):
-                needed = 1.1 * unit(abs(line.distance * way[axis]))
-                if needed <= _FAR * limits[axis]:
-                    found[axis] = max(found[axis], needed)
+            needed = [1.1 * unit(abs(line.distance * part)) for part in way]
+            if all(one <= _FAR * limit for one, limit in zip(needed, limits, strict=True)):
+                found = [max(pair) for pair in zip(found, needed, strict=True)]
     return found[0], found[1]
 
 

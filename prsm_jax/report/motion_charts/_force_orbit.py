@@ -58,7 +58,6 @@ def force_orbit(mechanism: Mechanism, run: Transient, forces: BodyForces | None 
         _orbits(row[1], forces, stage, _OTHERS, (0, 1))
         row[1].set_title(f"Friction, gear and carrier{name}")
     _legend(figure, float(run.time[0]), float(run.time[-1]))
-    figure.supxlabel(_READING, fontsize=SMALL, color=MUTED)
     return figure
 
 
@@ -103,4 +102,5 @@ def _legend(figure: Figure, start: float, end: float) -> None:
         Line2D([], [], mfc="white", mew=1.2, label=f"at {in_unit(start, clock, 3)}", **dot),
         Line2D([], [], label=f"at {in_unit(end, clock, 3)}", **dot),
     ]
-    legend_below(figure, handles, fontsize=SMALL, columnspacing=1.0, handlelength=1.3)
+    style = {"fontsize": SMALL, "columnspacing": 1.0, "handlelength": 1.3}
+    legend_below(figure, handles, title=_READING, title_fontsize=SMALL, **style)

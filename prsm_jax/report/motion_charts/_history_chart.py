@@ -19,13 +19,12 @@ _APART = 0.02
 #: Below this share of the largest power, as while the motion reverses, acceleration and not
 #: friction decides the ratio of powers.
 _IDLE = 0.02
+#: Below this share of the largest speed, as while the motion reverses, no ratio of speeds is drawn.
+_SLOW = 0.01
 #: Rounding of an efficiency of 1.
 _ROUNDING = 1e-9
-#: Said below the heading if the efficiency has gaps.
-_GAPS = (
-    "efficiency: gaps where masses take up or return energy, so that the ratio of powers is no "
-    "efficiency"
-)
+#: Said below the diagrams if ratios have gaps.
+_GAPS = "gaps in ratios: near standstill, and in the efficiency where masses store or return energy"
 
 
 def travel_of(mechanism: Mechanism, run: Transient) -> np.ndarray:
@@ -80,8 +79,9 @@ def _stages(name: str, curves: Any, unit: str) -> History:
 
 
 def _while_moving(run: Transient, curves: Any) -> np.ndarray:
-    """Curves that are NaN where the mechanism sticks or is at rest."""
-    return np.where(np.asarray(run.screw_speed) == 0, np.nan, np.asarray(curves))
+    """Curves that are NaN at rest and close to it, where a ratio of speeds has no meaning."""
+    speed = np.abs(np.asarray(run.screw_speed))
+    return np.where(speed > _SLOW * speed.max(), np.asarray(curves), np.nan)
 
 
 def known_efficiency(mechanism: Mechanism, run: Transient) -> np.ndarray:
@@ -159,7 +159,7 @@ def history_chart(mechanism: Mechanism, run: Transient) -> Figure:
     phases = sticking_phases(run)
     lowest = set(range(len(shown))[-2:]) | ({len(shown) - 3} if len(shown) % 2 else set())
     for place, (at, history) in enumerate(zip(places, shown, strict=True)):
-        axes = figure.add_subplot(at)
+        axes = figure.add_subplot(at, sharex=figure.axes[0] if figure.axes else None)
         _draw(axes, history, time)
         shade(axes, phases, clock)
         # Apart from the frame, on which a curve would not be seen.
@@ -167,9 +167,9 @@ def history_chart(mechanism: Mechanism, run: Transient) -> Figure:
         axes.tick_params(axis="x", labelbottom=place in lowest)
         if place in lowest:
             axes.set_xlabel(f"time in {clock.label}")
-    gaps = any(one.name == "efficiency" and np.isnan(one.curves).any() for one in shown)
-    _head(figure, fixed, _GAPS if gaps else "")
-    _legend(figure, np.asarray(run.carrier_ratio).shape[0], bool(phases))
+    gaps = any(np.isnan(one.curves).any() for one in shown)
+    _head(figure, fixed)
+    _legend(figure, np.asarray(run.carrier_ratio).shape[0], bool(phases), _GAPS if gaps else "")
     figure.align_ylabels()
     return figure
 
@@ -199,15 +199,13 @@ def shade(axes: Axes, phases: Iterable[tuple[float, float]], clock: DisplayUnit)
         axes.axvspan(clock(start), clock(end), color=_STICK, lw=0, zorder=0)
 
 
-def _head(figure: Figure, fixed: list[History], note: str) -> None:
+def _head(figure: Figure, fixed: list[History]) -> None:
     words = [f"{one.name} {in_unit(one.curves[0, 0], one.unit)}" for one in fixed]
     heading = "Time histories" + (f": {', '.join(words)}" if words else "")
     page_title(figure, heading)
-    if note:
-        figure.supxlabel(note, fontsize=SMALL, color=MUTED)
 
 
-def _legend(figure: Figure, stages: int, sticks: bool) -> None:
+def _legend(figure: Figure, stages: int, sticks: bool, note: str) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -218,4 +216,7 @@ def _legend(figure: Figure, stages: int, sticks: bool) -> None:
             handles.append(Line2D([], [], lw=1.2, label=f"stage {stage + 1}", **style))
     if sticks:
         handles.append(Patch(facecolor=_STICK, edgecolor=MUTED, lw=0.4, label="sticks"))
-    legend_below(figure, handles, len(handles))
+    if handles:
+        legend_below(figure, handles, len(handles), title=note, title_fontsize=SMALL)
+    elif note:
+        figure.supxlabel(note, fontsize=SMALL)

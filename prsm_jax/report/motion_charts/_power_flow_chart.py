@@ -29,7 +29,7 @@ _SOURCE = "\\\\\\"
 #: Height of the total flow, and least distance between two labels [mm].
 _TALL, _LINE = 46.0, 8.4
 #: Along the page [mm]: words, blocks and trunk from the left.
-_LEFT, _BLOCK, _TRUNK, _RIGHT = 38.0, 3.0, (60.0, 96.0), 136.0
+_LEFT, _BLOCK, _TRUNK, _RIGHT = 31.0, 3.0, (54.0, 106.0), 146.0
 
 
 def _style(name: str, index: int) -> dict[str, Any]:
