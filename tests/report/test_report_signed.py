@@ -50,7 +50,9 @@ class _Page(HTMLParser):
 @pytest.fixture(scope="module")
 def given(data):
     origin = origin_of_file("wu2022", author=_EVIL, revision="B", date="2026-11-24")
-    return dataclasses.replace(data, title=_EVIL, source=_EVIL, command=_EVIL, origin=origin)
+    texts = {"title": _EVIL, "source": _EVIL, "command": _EVIL}
+    # Mode shapes take longer to draw than all else.
+    return dataclasses.replace(data, **texts, origin=origin, modes=None)
 
 
 @pytest.fixture(scope="module")

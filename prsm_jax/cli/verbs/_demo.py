@@ -15,7 +15,7 @@ from cyclopts import Parameter
 
 from ..._errors import PrsmError
 from ...mechanism import Mechanism
-from ...quantities import assumptions
+from ...quantities import assumptions, available_quantities
 from .._app import app
 from .._common import Common, emit, plain
 from .._optimised import optimised_text
@@ -36,6 +36,8 @@ _PROGRAMS = (
     *("_contacts", "modal", "steady_state", "_transient", "_strengths", "force_deflection"),
     "load_distribution",
 )
+#: Quantities of strength in the sensitivities of the demo, beside those that are the default.
+_OF_STRENGTH = ("static_safety", "dynamic_capacity", "rating_life_time", "buckling_safety")
 # The search for the largest stress is slow if it is not compiled.
 _contact_results = eqx.filter_jit(contact_results)
 
@@ -166,7 +168,7 @@ def demo(
     from ...file import loads
     from ...optimisation import optimise
     from ...report import analyse, summarise_optimisation, write_report
-    from ...sensitivities import sensitivity
+    from ...sensitivities import DEFAULT_QUANTITIES, sensitivity
 
     began = time.perf_counter()
 
@@ -185,7 +187,11 @@ def demo(
         "_numbers", "_values", "_derivatives", *_PROGRAMS, "contact_results", "_numbers"
     )
     say("differentiating: exact sensitivities to " + ", ".join(v.name for v in problem.variables))
-    table = sensitivity(mechanism, parameters=[variable.name for variable in problem.variables])
+    table = sensitivity(
+        mechanism,
+        quantities=available_quantities(mechanism, (*DEFAULT_QUANTITIES, *_OF_STRENGTH)),
+        parameters=[variable.name for variable in problem.variables],
+    )
     tell(table.text(terminal_width()))
 
     say(f"optimising from {problem.starts} starts")
