@@ -19,6 +19,7 @@ from prsm_jax.findings import (
     strength_checks_from,
 )
 from prsm_jax.mechanism import ScrewShaft, Strength
+from tests.present import present
 
 _C0, _CA, _HOURS, _LENGTH, _ROOT = 60e3, 45e3, 500.0, 0.4, 9.5e-3
 
@@ -34,13 +35,13 @@ def _mechanism():
         shaft=ScrewShaft("fixed_supported", unsupported_length=_LENGTH, root_radius=_ROOT),
     )
     # The critical speed needs a density, which the example lacks.
-    steel = dataclasses.replace(mechanism.stages[0].material, density=7850.0)
+    steel = dataclasses.replace(present(mechanism.stages[0].material), density=7850.0)
     stage = dataclasses.replace(mechanism.stages[0], strength=data, material=steel)
     return dataclasses.replace(mechanism, stages=(stage,))
 
 
 def _at(load, speed=100.0):
-    point = _mechanism().operating_point
+    point = present(_mechanism().operating_point)
     changed = dataclasses.replace(point, load=jnp.asarray(load), speed=jnp.asarray(speed))
     return eqx.tree_at(lambda m: m.operating_point, _mechanism(), changed)
 

@@ -31,6 +31,7 @@ HEAVY = (
     "pint",
     "tomlkit",
     "jinja2",
+    "plotly",
     "cyclopts",
     "rich",
     "tqdm",

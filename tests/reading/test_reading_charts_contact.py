@@ -194,7 +194,7 @@ def test_crests_and_roots_beside_the_ellipses():
     )
     chart = Chart(contact_ellipses({"x": pair}, None, {"x": lines}))
     left, right = (a for a in chart.axes if a.get_label() != "<colorbar>")
-    drawn = [line for axes in (left, right) for line in axes.lines if len(line.get_xdata()) == 2]
+    drawn = [line for axes in (left, right) for line in axes.lines if len(x_data(line)) == 2]
     drawn = [line for line in drawn if line.get_color() in ("#d55e00", "#009e73", "#0072b2")]
     # The third lies outside of the picture.
     assert len(drawn) == 2

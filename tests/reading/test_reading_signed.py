@@ -36,7 +36,8 @@ _LABELS = {
 
 def _rows(checks):
     for one in checks:
-        limit = margin = ""
+        limit: tuple = ()
+        margin: tuple = ()
         if one.limit is not None:
             limit = ("at most " if one.at_most else "at least ", one.limit, one.unit)
             margin = (one.margin, one.margin_unit)

@@ -106,7 +106,7 @@ def test_duty_cycle_and_optimisation_are_inputs():
             for key, unit in (("duration", "s"), ("speed", "rpm"), ("load", "kN"))
         ]
         assert [float(cell) for cell in row[1:]] == pytest.approx(wanted, rel=1e-8)
-    limits = dict(tables["[optimise] constraints"].rows)
+    limits = {row[0]: row[1] for row in tables["[optimise] constraints"].rows}
     words, _, cell = limits["max pressure shared"].rpartition("most ")
     assert words == "at "
     assert _si(cell) == pytest.approx(2.1e9)

@@ -102,5 +102,5 @@ def _legend(figure: Figure, start: float, end: float) -> None:
         Line2D([], [], mfc="white", mew=1.2, label=f"at {in_unit(start, clock, 3)}", **dot),
         Line2D([], [], label=f"at {in_unit(end, clock, 3)}", **dot),
     ]
-    style = {"fontsize": SMALL, "columnspacing": 1.0, "handlelength": 1.3}
+    style: dict[str, Any] = {"fontsize": SMALL, "columnspacing": 1.0, "handlelength": 1.3}
     legend_below(figure, handles, title=_READING, title_fontsize=SMALL, **style)
