@@ -58,7 +58,7 @@ from .file import (
     load as load,
     loads as loads,
 )
-from .findings import check as check
+from .findings import check as check, strength_checks as strength_checks
 from .friction import FrictionLaw as FrictionLaw, friction_law as friction_law
 from .geometry import mesh as mesh
 from .mechanism import (

@@ -14,7 +14,7 @@ import jax
 import numpy as np
 from cyclopts import Parameter
 
-from ..findings import check
+from ..findings import CheckNumbers, check_from, margin_numbers
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
 from ..process import make_folder, whole_file
@@ -81,8 +81,13 @@ class Common(Output):
 
 def checked(mechanism: Mechanism) -> tuple[Finding, ...]:
     """Findings of `check`; the terminal announces it because its program compiles slowly."""
+    return check_from(mechanism, checked_numbers(mechanism))
+
+
+def checked_numbers(mechanism: Mechanism) -> CheckNumbers:
+    """Values of the margins, as `check_numbers`; announced as `checked` says."""
     doing("checking the design")
-    return check(mechanism)
+    return margin_numbers(mechanism)
 
 
 def plain(value: Any) -> Any:

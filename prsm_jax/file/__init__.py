@@ -1,6 +1,6 @@
 """Mechanisms from TOML files with units, and back. Only this room knows the format of files."""
 
-from ._edit import edit as edit, source_text as source_text
+from ._edit import edit as edit, source_bytes as source_bytes, source_text as source_text
 from ._examples import example_names as example_names, example_text as example_text
 from ._read import load as load, loads as loads
 from ._settings import apply_settings as apply_settings

@@ -6,8 +6,8 @@ from typing import Any
 
 from .._errors import FileError, missing_extra
 from ..mechanism import Mechanism
-from ._examples import example_names, example_text
-from ._read import loads, text_of
+from ._examples import example_bytes, example_names, example_text
+from ._read import bytes_of, loads, text_of
 from ._write import dumps
 
 
@@ -17,6 +17,14 @@ def source_text(source: str) -> str:
     **Raises:** `FileError` if it cannot be read.
     """
     return example_text(source) if source in example_names() else text_of(source)
+
+
+def source_bytes(source: str) -> bytes:
+    """What is in the file of an example, or in the file at a path.
+
+    **Raises:** `FileError` if it cannot be read.
+    """
+    return example_bytes(source) if source in example_names() else bytes_of(source)
 
 
 def edit(text: str, mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None) -> str:

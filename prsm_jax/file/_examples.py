@@ -26,3 +26,8 @@ def example_text(name: str) -> str:
     if name not in example_names():
         raise FileError(f"there is no example {name!r}; {closest(name, example_names())}")
     return (_FOLDER / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def example_bytes(name: str) -> bytes:
+    """What is in the file of a shipped example, by one of `example_names()`."""
+    return (_FOLDER / f"{name}.toml").read_bytes()

@@ -33,6 +33,14 @@ def load(source: str | Path) -> Mechanism:
 
 
 def text_of(source: str | Path) -> str:
+    return utf8_text(bytes_of(source), one_line(str(source), 300))
+
+
+def bytes_of(source: str | Path) -> bytes:
+    """What is in a file.
+
+    **Raises:** `FileError` if there is none, it cannot be read, or it is too large.
+    """
     name = one_line(str(source), 300)
     try:
         path = Path(source)
@@ -50,7 +58,7 @@ def text_of(source: str | Path) -> str:
         raise FileError(f"{name}: cannot be read: {reason}") from error
     if len(data) > _LARGEST_FILE:
         raise FileError(f"{name}: is larger than {_LARGEST_FILE} bytes; this cannot be a mechanism")
-    return utf8_text(data, name)
+    return data
 
 
 def loads(text: str, name: str = "<string>") -> Mechanism:

@@ -57,6 +57,8 @@ def _scenario(data: Any, place: Place) -> Any:
 
 _KEYS = {
     "title": Key(plain(read_text)),
+    "author": Key(plain(read_text)),
+    "revision": Key(plain(read_text)),
     "operating_point": Key(lambda v, at: read_module(TableChoice(OperatingPoint), v, at)),
     "axis": Key(lambda v, at: read_module(TableChoice(Axis), v, at)),
     "stage": Key(_stages, "stages, as [[stage]]"),

@@ -226,6 +226,9 @@ def _tolerances(tolerances: tuple[Tolerance, ...], mechanism: Mechanism) -> Iter
 
 def _lines(mechanism: Mechanism, quantity_units: Mapping[str, str]) -> Iterator[str]:
     yield f"title = {_string(mechanism.title)}"
+    for name in ("author", "revision"):
+        if getattr(mechanism, name):
+            yield f"{name} = {_string(getattr(mechanism, name))}"
     if mechanism.operating_point is not None:
         yield from ("", "[operating_point]")
         yield from _module(mechanism.operating_point, "operating_point")

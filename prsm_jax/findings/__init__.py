@@ -5,8 +5,10 @@ Do the parts fit, can they be made, do they last, and are the given numbers plau
 
 from ..geometry import Finding as Finding
 from ._check import (
+    CheckNumbers as CheckNumbers,
     check as check,
     check_numbers as check_numbers,
+    margin_numbers as margin_numbers,
 )
 from ._margin import (
     Margin as Margin,
@@ -20,3 +22,13 @@ from ._margin import (
     sources as sources,
 )
 from ._masses import mass_findings as mass_findings
+from ._strength_checks import (
+    CHECK_VALUES as CHECK_VALUES,
+    Status as Status,
+    StrengthCheck as StrengthCheck,
+    Verdict as Verdict,
+    check_values as check_values,
+    status_of as status_of,
+    strength_checks as strength_checks,
+    strength_checks_from as strength_checks_from,
+)

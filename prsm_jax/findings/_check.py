@@ -38,7 +38,8 @@ def _numbers_by(_sources: tuple[Source, ...], mechanism: Mechanism) -> CheckNumb
     return check_numbers(mechanism)
 
 
-def _plain(values: list[Any]) -> list[dict[str, float] | None]:
+def plain_numbers(values: list[Any]) -> list[dict[str, float] | None]:
+    """Values of `evaluate_margins` as Python numbers."""
     return [
         None if numbers is None else {name: float(number) for name, number in numbers.items()}
         for numbers in values
@@ -66,8 +67,23 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
 
     **Returns:** the findings, stage by stage.
     """
-    numbers = _numbers_by(sources(), mechanism)
-    known = _plain(numbers.margins)
+    return check_from(mechanism, margin_numbers(mechanism))
+
+
+def margin_numbers(mechanism: Mechanism) -> CheckNumbers:
+    """`check_numbers`, compiled once for each structure of a mechanism and set of sources."""
+    return _numbers_by(sources(), mechanism)
+
+
+def check_from(mechanism: Mechanism, numbers: CheckNumbers) -> tuple[Finding, ...]:
+    """As `check`, from numbers that are already computed.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism, with concrete numbers.
+    - `numbers`: the result of `check_numbers`.
+    """
+    known = plain_numbers(numbers.margins)
     findings = [finding for _, finding in findings_of(mechanism, known)]
     findings += mass_findings_from(mechanism, numbers.masses)
     findings += _stiffness.shaft_findings(mechanism)

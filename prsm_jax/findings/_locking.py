@@ -56,7 +56,11 @@ def _jamming(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         (("error", 0.0), ("warning", _SCATTER)),
         message,
         details=lambda analysis: {"limit": jamming_coefficient(analysis.kinematics[index])},
-        shown=lambda r: ((1 - r.value) * r.details["limit"], r.details["limit"]),
+        shown=lambda r: (
+            (1 - r.value) * r.details["limit"],
+            (1 - r.limit) * r.details["limit"],
+        ),
+        at_most=True,
         reserve=1e-2,
         strict=True,
     )
@@ -95,5 +99,5 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         (("note", 0.0), ("warning", _NEARLY_HELD)),
         message,
         details=lambda analysis: {"limit": locking_coefficient(analysis.kinematics[0])},
-        shown=lambda r: (r.value, 0.0),
+        shown=lambda r: (r.value, r.limit),
     )

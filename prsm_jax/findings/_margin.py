@@ -59,6 +59,10 @@ class Margin:
     details: Callable[[Analysis], dict[str, Scalar]] | None = None
     #: Value and limit that the finding shows, where those of the margin are less clear to a reader.
     shown: Callable[[Reading], tuple[float, float]] | None = None
+    #: SI unit of `shown`; default that of the value.
+    shown_unit: str | None = None
+    #: Whether the limit of `shown` is an upper one.
+    at_most: bool = False
     #: How far inside the limit the optimiser stays, for rounding in a file [unit of the value].
     reserve: float = 1e-4
     #: Whether a value equal to the limit violates it.
@@ -71,6 +75,14 @@ class Margin:
     subject: str = ""
     #: Loads for which the margin needs the load distribution (`Analysis.distribution`).
     shares: tuple[SharedLoad, ...] = ()
+
+    @property
+    def strictest(self) -> tuple[Severity, float]:
+        """The highest limit of severity warning or error, with its severity.
+
+        **Raises:** `ValueError` if all limits are of severity note.
+        """
+        return max((one for one in self.levels if one[0] != "note"), key=lambda one: one[1])
 
     @property
     def whole(self) -> bool:

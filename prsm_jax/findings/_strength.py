@@ -48,6 +48,7 @@ def _at_least(
     index: int,
     pair: Callable[[Analysis], tuple[Scalar, Scalar]],
     message: Callable[[Reading], str],
+    shown_unit: str,
     unit: str = "1",
     shares: tuple[SharedLoad, ...] = (),
 ) -> Margin:
@@ -70,6 +71,7 @@ def _at_least(
         unit=unit,
         details=lambda analysis: dict(zip(("there", "needed"), pair(analysis), strict=True)),
         shown=lambda r: (r.details["there"], r.details["needed"]),
+        shown_unit=shown_unit,
         shares=shares,
     )
 
@@ -162,6 +164,8 @@ def _screw_speed(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             message,
             details=details,
             shown=lambda r: (r.details["speed"], r.details["permissible"]),
+            shown_unit="rad/s",
+            at_most=True,
         )
 
 
@@ -185,7 +189,7 @@ def _rating_life(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     shares: tuple[SharedLoad, ...] = ()
     if derives_dynamic_capacity(mechanism.stages[index]):
         shares = ("equivalent",)
-    yield _at_least("rating_life", index, lives, message, shares=shares)
+    yield _at_least("rating_life", index, lives, message, "s", shares=shares)
 
 
 @_where_given("oscillation_amplitude")
@@ -203,7 +207,7 @@ def _false_brinelling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             "life does not cover; turn the screw further from time to time"
         )
 
-    yield _at_least("false_brinelling", index, amplitudes, message, unit="rad")
+    yield _at_least("false_brinelling", index, amplitudes, message, "rad", unit="rad")
 
 
 @margin_source

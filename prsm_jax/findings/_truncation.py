@@ -109,6 +109,8 @@ def _contact_truncation(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             unit="m",
             details=details,
             shown=lambda r: (-r.value / (r.details["distance"] - r.value), 0.0),
+            shown_unit="1",
+            at_most=True,
             subject=f"{kind} of {body} on the {side} side",
             shares=_shares(mechanism.stages[index]),
         )

@@ -172,8 +172,8 @@ class DutyCycle(Limited):
     load: Numbers = numbers("N", "axial load in each phase", length="duration")
 
 
-class _StoredTitle:
-    """A stored title: all compare equal, so that titles do not distinguish programs."""
+class _StoredText:
+    """A stored text: all compare equal, so that texts do not distinguish programs."""
 
     __slots__ = ("text",)
 
@@ -181,37 +181,42 @@ class _StoredTitle:
         self.text = text
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _StoredTitle)
+        return isinstance(other, _StoredText)
 
     def __hash__(self) -> int:
-        return hash(_StoredTitle)
+        return hash(_StoredText)
 
     # The written structure of a mechanism is part of the name of a stored program.
     def __repr__(self) -> str:
-        return "title"
+        return "text"
 
 
-class _Title:
-    """The field `title`: a plain string for users, not part of the structure that JAX compares.
+class _Text:
+    """The field `title`, `author` or `revision`: a plain string for users.
 
-    Static parts of a pytree are compared wherever pytrees are stacked and compiled programs are
-    looked up; a new title must neither cause a compilation nor prevent designs from being stacked.
+    It is not part of the structure that JAX compares: static parts of a pytree are compared
+    wherever pytrees are stacked and compiled programs are looked up; a new title must neither cause
+    a compilation nor prevent designs from being stacked.
     """
 
+    def __init__(self, name: str):
+        self.name = name
+
     def __get__(self, mechanism: Any, owner: type) -> Any:
-        return self if mechanism is None else vars(mechanism)["title"].text
+        return self if mechanism is None else vars(mechanism)[self.name].text
 
     def __set__(self, mechanism: Any, text: Any) -> None:
-        # JAX also sets the stored title of another mechanism.
-        vars(mechanism)["title"] = text if isinstance(text, _StoredTitle) else _StoredTitle(text)
+        # JAX also sets the stored text of another mechanism.
+        stored = text if isinstance(text, _StoredText) else _StoredText(text)
+        vars(mechanism)[self.name] = stored
 
 
 class Mechanism(Limited):
     """A planetary roller screw mechanism of one or several stages.
 
     A frozen pytree in SI units. The stages share the screw speed through splines; nut k − 1
-    carries screw k. Static: `title`, the design problem (bounds and limits are not physics) and
-    the tolerances.
+    carries screw k. Static: `title`, `author` and `revision`, the design problem (bounds and limits
+    are not physics) and the tolerances.
     """
 
     stages: tuple[Stage, ...]
@@ -237,6 +242,8 @@ class Mechanism(Limited):
         default=None,
         without="no tolerance analysis: scatter, yield and contributions are not defined",
     )
+    author: str = choice("who is responsible for the design, for reports", default="")
+    revision: str = choice("revision of the design, for reports", default="")
 
     axis: Axis | None = part("vibration in space is that of the stages alone: no motor, no load")
 
@@ -278,7 +285,9 @@ def check_axis(mechanism: Mechanism) -> None:
 
 
 # Set after the class is created: inside it, this would be taken as the default.
-Mechanism.title = _Title()  # type: ignore[assignment]
+Mechanism.title = _Text("title")  # type: ignore[assignment]
+Mechanism.author = _Text("author")  # type: ignore[assignment]
+Mechanism.revision = _Text("revision")  # type: ignore[assignment]
 
 
 def stage_at(mechanism: Mechanism, stage: int) -> Stage:

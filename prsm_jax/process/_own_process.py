@@ -17,7 +17,10 @@ def _is_command_line() -> bool:
 
 #: Verbs whose programs run once or a few times, each in milliseconds.
 _BRIEF_VERBS = frozenset(
-    ("campbell", "check", "contact", "explain", "modal", "response", "sensitivity", "steady")
+    (
+        *("campbell", "check", "contact", "explain", "modal", "response", "sensitivity"),
+        *("steady", "strength"),
+    )
 )
 
 

@@ -41,10 +41,9 @@ from .design_charts import (
 )
 from .document import (
     Picture as Picture,
-    ReportData as ReportData,
     Section as Section,
     Table as Table,
-    analyse as analyse,
+    checks_table as checks_table,
     contact_pictures as contact_pictures,
     report_section as report_section,
     save_contact_pictures as save_contact_pictures,
@@ -67,6 +66,12 @@ from .motion_charts import (
     steady_flow as steady_flow,
     time_to_settle as time_to_settle,
     transient_chart as transient_chart,
+)
+from .results import (
+    Origin as Origin,
+    ReportData as ReportData,
+    analyse as analyse,
+    origin_of_file as origin_of_file,
 )
 from .study_charts import (
     conflict_maps as conflict_maps,

@@ -178,7 +178,7 @@ def test_demo(prsm, tmp_path):
     status, out, err = prsm("demo", "--out", folder)
     assert status == 0, err
     assert str(folder / "report.html") in out
-    for name in ("report.html", "report.md", "results.json", "optimised.toml"):
+    for name in ("report.html", "report.md", "report.json", "results.json", "optimised.toml"):
         assert (folder / name).stat().st_size > 1000
     pictures = {path.stem for path in (folder / "figures").glob("*.png")}
     assert pictures >= {

@@ -72,7 +72,7 @@ def test_lines_are_in_the_units_that_an_engineer_reads():
     "verb",
     [
         *("check", "contact", "modal", "response", "campbell", "steady", "simulate"),
-        "sensitivity",
+        *("sensitivity", "strength"),
     ],
 )
 def test_the_terminal_is_filled_and_not_overrun(prsm, monkeypatch, verb):

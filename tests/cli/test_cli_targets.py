@@ -18,6 +18,8 @@ VERBS = {
     "response": ["wu2022"],
     "campbell": ["wu2022"],
     "steady": ["wu2022"],
+    "strength": ["wu2022"],
+    "report": ["wu2022"],
     "simulate": ["wu2022"],
     "sensitivity": ["wu2022"],
     "optimise": ["actuator"],

@@ -14,8 +14,8 @@ from expectations import reads
 from reading_tables import assert_cell, assert_table, html_tables
 from reading_units import assert_reads, numbers, to_si
 
-import prsm_jax as prsm
 from prsm_jax.dynamics import STEADY_RESULTS
+from prsm_jax.findings import StrengthCheck
 from prsm_jax.geometry import Finding, roller_clearance
 from prsm_jax.mechanism import body_mass, stage_mass
 from prsm_jax.quantities import find_quantity
@@ -26,8 +26,8 @@ from prsm_jax.report.document import (
     _mechanism_section,
     _strength_section,
 )
-from prsm_jax.report.document._data import STRENGTH
 from prsm_jax.report.document._sections import report_sections
+from prsm_jax.report.results import STRENGTH
 from prsm_jax.text._plain_text import markdown as escaped
 
 _MINUS = "\N{MINUS SIGN}"
@@ -240,8 +240,8 @@ def test_findings(sections, data):
 
 def test_findings_come_before_drawings_and_other_tables(data):
     sections = report_sections(data)
-    assert [section.anchor for section in sections[:2]] == ["summary", "findings"]
-    assert not [*sections[0].pictures, *sections[0].tables, *sections[1].pictures]
+    assert [section.anchor for section in sections[:3]] == ["status", "summary", "findings"]
+    assert not [*sections[1].tables, *(one for s in sections[:3] for one in s.pictures)]
 
 
 def test_a_design_without_findings_says_so_beside_the_other(data):
@@ -267,7 +267,7 @@ def test_an_infeasible_optimisation_says_so_first(data):
     variables, quantities, limits = found["optimisation"].tables
     assert variables.head[1:3] == quantities.head[1:3] == ("before", "best found")
     assert limits.head[1] == "best found"
-    assert found["strength"].tables[0].head[-1] == "best found"
+    assert found["strength"].tables[0].head[-2:] == ("best found", "verdict after")
     assert found["vibration"].tables[0].head[-1] == "best found in Hz"
     assert [t.caption for t in found["findings"].tables] == [
         "Findings: start",
@@ -470,9 +470,51 @@ def test_strength(sections, data):
     rows = []
     for name, value in data.strength.items():
         quantity, other = find_quantity(name), data.improved.strength[name]
-        cells = [(float(np.ravel(v)[0]), quantity.unit) for v in (value, other)]
-        rows.append((name.replace("_", " "), quantity.symbol, *cells))
-    assert_table(table, ("", "symbol", "value", "after the optimisation"), rows)
+        before, after = ((float(np.ravel(v)[0]), quantity.unit) for v in (value, other))
+        # Without checks no quantity has a limit.
+        row = (
+            name.replace("_", " "),
+            quantity.symbol,
+            before,
+            "",
+            "",
+            "no limit",
+            after,
+            "no limit",
+        )
+        rows.append(row)
+    head = ("", "symbol", "value", "limit", "margin", "verdict")
+    assert_table(table, (*head, "after the optimisation", "verdict after"), rows)
+
+
+def test_verdicts_of_strength_are_those_of_the_checks(data):
+    """The worst stage decides; a limit that another check has belongs to no other quantity."""
+    checks = (
+        StrengthCheck("static_safety", 1, 1.3, 1.0, "1", False, 0.23, "1", "pass"),
+        StrengthCheck("buckling", 1, 1.5, 2.0, "1", False, -0.17, "1", "warning"),
+        StrengthCheck("screw_speed", 1, 320.0, 300.0, "rad/s", True, -0.07, "1", "warning"),
+        StrengthCheck("rating_life", 1, 4e6, 3e6, "s", False, 0.33, "1", "pass"),
+        StrengthCheck("backlash", 1, -2e-5, 0.0, "m", False, -2e-5, "m", "fail"),
+    )
+    after = dataclasses.replace(data.improved, checks=checks[:1])
+    both = dataclasses.replace(data, checks=checks, improved=after)
+    section = next(s for s in report_sections(both) if s.anchor == "strength")
+    rows = {row[0]: row for row in section.tables[0].rows}
+    expected = {
+        "static safety": ((1.0, ""), (0.23, "1"), "pass", "pass"),
+        "buckling safety": ((2.0, ""), (-0.17, "1"), "warning", "no limit"),
+        "critical speed margin": ((0.0, ""), (-0.07, "1"), "warning", "no limit"),
+        "life ratio": ((1.0, ""), (0.33, "1"), "pass", "no limit"),
+        "axial backlash": ((0.0, "m"), (-2e-5, "m"), "fail", "no limit"),
+    }
+    for name, (limit, margin, verdict, later) in expected.items():
+        *_, limit_cell, margin_cell, verdict_cell, _, later_cell = rows[name]
+        assert limit_cell.startswith("at least ")
+        assert_reads(limit_cell.removeprefix("at least "), (*limit, "whole"))
+        assert_reads(margin_cell, margin)
+        assert (verdict_cell, later_cell) == (verdict, later)
+    others = {row[5] for name, row in rows.items() if name not in expected}
+    assert others == {"no limit"}
 
 
 @reads("section", "sensitivity_section")
@@ -552,19 +594,6 @@ def test_optimisation(sections, data):
     assert last.endswith("The search converged.")
 
 
-@reads("section", "_provenance")
-def test_provenance(sections):
-    import jax
-
-    made_with, missing = sections["provenance"].tables
-    found = dict(made_with.rows)
-    assert found["prsm_jax"] == prsm.__version__
-    assert found["JAX"] == jax.__version__
-    assert found["numbers"] == "float64"
-    assert (found["mechanism from"], found["command"]) == ("my.toml", "prsm demo")
-    assert_table(missing, ("part", "because"), [("vibration", "no masses")])
-
-
 def test_the_page_has_the_cells_of_the_tables(sections, data, tmp_path, monkeypatch):
     """HTML and Markdown hold every cell of every table, in its place."""
     from prsm_jax.report.document import _write
@@ -572,6 +601,7 @@ def test_the_page_has_the_cells_of_the_tables(sections, data, tmp_path, monkeypa
     # Pictures have readers of their own.
     names = [picture.name for section in sections.values() for picture in section.pictures]
     monkeypatch.setattr(_write, "_draw", lambda *_: dict.fromkeys(names, "data:,"))
+    monkeypatch.setattr(_write, "_charts", lambda *_: {})
     path = write_report(tmp_path / "out", data)
     tables = [table for section in sections.values() for table in section.tables]
     for (caption, rows), table in zip(html_tables(path.read_text()), tables, strict=True):
@@ -648,8 +678,8 @@ def test_every_picture_is_of_its_part_of_the_data(data, monkeypatch):
         assert name == chart
         return [*values, *more.values()]
 
-    designs, pressures = given("contact_ellipses", "contact_ellipses")
-    assert list(designs) == list(pressures) == ["before", "after"]
+    designs, pressures, lines = given("contact_ellipses", "contact_ellipses")
+    assert list(designs) == list(pressures) == list(lines) == ["before", "after"]
     for label, whole in (("before", data), ("after", after)):
         assert designs[label] is whole.contacts[0]
         pair = (designs[label].screw.hertz, designs[label].nut.hertz)

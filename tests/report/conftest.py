@@ -5,6 +5,15 @@ from report_scenes import make_optimum
 
 from prsm_jax.file import load
 from prsm_jax.report import analyse, summarise_optimisation
+from prsm_jax.report.document import _write
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _pages_without_the_library():
+    """Pages of some hundred kilobytes, whether plotly is installed or not; one test embeds it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(_write, "plotly_library", lambda: None)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -15,11 +15,14 @@ from prsm_jax.mechanism import UnequalRoller
 from prsm_jax.report import cross_section
 from prsm_jax.report.drawings._drawing_dimensions import drawing_dimensions
 from prsm_jax.report.drawings._thread_profile import (
+    nut_half_thickness,
     nut_profile,
+    nut_shift,
     roller_half_thickness,
     roller_profile,
+    screw_half_thickness,
     screw_profile,
-    straight_half_thickness,
+    screw_shift,
     tooth_centres,
 )
 
@@ -121,6 +124,9 @@ def test_other_mechanisms_can_be_printed(name):
 def test_dimensions_are_written_in_millimetres(both):
     words = {text.get_text() for axes in both.axes for text in axes.texts}
     assert {"a = 16", "Ø8 roller", "Ø24 screw", "Ø60 outside", "nut 80", "roller 50"} <= words
+    assert {"gear 6", "carrier 4"} <= words
+    # Ring gear 6 mm long with a rim of 4 mm about 40 mm; a carrier of 6 mm about 16 mm.
+    assert "ring gear 6, ⌀48; carrier 4, ⌀26 to ⌀38" in words
     assert {"a = 17.6", "Ø8.8 roller", "Ø26.4 screw", "Ø64 outside"} <= words
     assert any("lead 14, 5 starts" in w for w in words)
 
@@ -128,13 +134,14 @@ def test_dimensions_are_written_in_millimetres(both):
 def test_flanks_are_straight_and_the_roller_is_an_arc(actuator):
     dims = drawing_dimensions(actuator)
     heights = np.linspace(-0.3, 0.3, 9)
-    straight = straight_half_thickness(dims, heights)
+    straight = screw_half_thickness(dims, heights)
     slope = -math.tan(dims.flank_angle)
     np.testing.assert_allclose(np.diff(straight) / np.diff(heights), slope, rtol=1e-12)
     # Points of the flank lie on a circle of the profile radius about its centre.
     half = roller_half_thickness(dims, heights)
     radius, angle = dims.profile_radius, dims.flank_angle
-    centre = dims.pitch / 4 - radius * math.cos(angle)
+    # Teeth are 0.05 mm thinner than half a pitch, by the file.
+    centre = dims.pitch / 4 - 0.025 - radius * math.cos(angle)
     distance = np.hypot(half - centre, heights + radius * math.sin(angle))
     np.testing.assert_allclose(distance, radius, rtol=1e-12)
 
@@ -143,12 +150,34 @@ def test_threads_do_not_cut_into_each_other(actuator, larger):
     for mechanism in (actuator, larger):
         dims = drawing_dimensions(mechanism)
         # Over common heights a tooth and the gap that it stands in: thickness adds up to a pitch
-        # at most, and to exactly that at the nominal radius.
+        # at most.
         height = np.linspace(-dims.roller_dedendum, dims.roller_addendum, 21)
-        room = dims.pitch / 2 - straight_half_thickness(dims, -height)
+        room = dims.pitch / 2 - screw_half_thickness(dims, -height)
         thick = roller_half_thickness(dims, height)
         assert (thick <= room + 1e-12).all()
-        assert roller_half_thickness(dims, 0.0) == pytest.approx(dims.pitch / 4)
+        # At the nominal radius it lacks the thinning of both.
+        assert room[10] - thick[10] == pytest.approx((0.08 + 0.05) / 2, abs=2e-3)
+
+
+def test_teeth_are_drawn_as_thin_as_the_file_says(actuator):
+    """Thinned by 0.08, 0.05 and 0.01 mm; loaded flanks touch, and the play is at the others."""
+    dims = drawing_dimensions(actuator)
+    thin = (dims.screw_thinning, dims.roller_thinning, dims.nut_thinning)
+    assert thin == pytest.approx((0.08, 0.05, 0.01))
+    quarter = dims.pitch / 4
+    screw, roller, nut = (
+        float(half(dims, 0.0))
+        for half in (screw_half_thickness, roller_half_thickness, nut_half_thickness)
+    )
+    assert [2 * (quarter - half) for half in (screw, roller, nut)] == pytest.approx(thin)
+    # A roller tooth at 0 stands between screw teeth at half a pitch to either side.
+    right = (2 * quarter + screw_shift(dims) - screw) - roller
+    left = -roller - (-2 * quarter + screw_shift(dims) + screw)
+    assert (right, left) == pytest.approx((0.0, 0.13))
+    # Between nut teeth it is the other flank.
+    right = (2 * quarter + nut_shift(dims) - nut) - roller
+    left = -roller - (-2 * quarter + nut_shift(dims) + nut)
+    assert (right, left) == pytest.approx((0.06, 0.0))
 
 
 def test_the_single_start_roller_is_half_a_pitch_off_on_its_other_side(actuator):

@@ -6,7 +6,8 @@ import re
 import pytest
 
 from prsm_jax.report import ReportData, analyse, write_report
-from prsm_jax.report.document import _analysis_sections, _data, _sections
+from prsm_jax.report.document import _analysis_sections, _sections
+from prsm_jax.report.results import _analyse
 
 
 def _fails(*_, **__):
@@ -56,8 +57,9 @@ def test_a_picture_that_cannot_be_drawn(written, monkeypatch, tmp_path):
 
 
 def test_an_analysis_that_fails(wu2022, written, monkeypatch):
-    for name in ("_all_modes", "_strength", "_shared", "_contacts", "_steady_states", "check"):
-        monkeypatch.setattr(_data, name, _fails)
+    names = ("_all_modes", "_strength", "_shared", "_contacts", "_steady_states")
+    for name in (*names, "margin_numbers"):
+        monkeypatch.setattr(_analyse, name, _fails)
     data = analyse(wu2022, transient=False)
     assert {part for part, _ in data.faults} == {
         *("checks", "contact", "vibration", "steady state", "strength", "load sharing"),

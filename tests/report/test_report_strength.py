@@ -80,7 +80,7 @@ def test_life_and_damage_follow_ellipses_that_are_cut():
 
 def test_a_report_draws_lives_with_the_ends_of_the_flanks():
     """The fatigue of the report is that of the quantities, shared loads included."""
-    from prsm_jax.report.document._data import _strength
+    from prsm_jax.report.results._analyse import _strength
 
     one = screw_of_30_mm(3e-3, load=2e5)
     cycle = DutyCycle(jnp.ones(2), jnp.ones(2), jnp.asarray([3e5, 1e5]))

@@ -132,10 +132,12 @@ def test_findings_on_masses_and_stiffnesses_are_shown(report):
 def test_absent_parts_are_left_out(wu2022, tmp_path):
     bare = ReportData(mechanism=wu2022, title="Bare")
     anchors = [section.anchor for section in report_sections(bare)]
-    assert anchors == ["summary", "findings", "mechanism", "provenance"]
+    assert anchors == [
+        *("status", "summary", "findings", "inputs", "mechanism", "left_out", "provenance"),
+    ]
     path = write_report(tmp_path / "bare", bare, dpi=60)
     assert sorted(p.name for p in (path.parent / "figures").glob("*.png")) == ["cross_section.png"]
-    for word in ("None", "nan", "Sensitivities", "Optimisation"):
+    for word in ("None", "nan", "Sensitivities"):
         assert not re.search(rf"\b{word}\b", _plain(path.read_text().split("</style>")[1]))
 
 

@@ -1,4 +1,4 @@
-"""Verbs that analyse one mechanism: check, steady."""
+"""Verbs that analyse one mechanism: check, strength, steady."""
 
 from pathlib import Path
 from typing import Any
@@ -6,11 +6,12 @@ from typing import Any
 import equinox as eqx
 
 from ...dynamics import STEADY_RESULTS, SteadyState, steady_meaning, steady_state
+from ...findings import check_from, check_values, status_of, strength_checks_from
 from ...mechanism import Mechanism, OperatingPoint
 from ...quantities import assumptions
 from .._app import app
 from .._assumed import STEADY
-from .._common import Common, checked, emit, plain, save_tables
+from .._common import Common, checked, checked_numbers, emit, plain, save_tables
 from .._programs import run_stored
 from .._progress import doing, expect_programs
 from .._tables import Line, TextTable, in_units, prose, terminal_width
@@ -39,6 +40,30 @@ def check(file: str, *, common: Common = _DEFAULT) -> int:
         save_tables(common.out, "findings", results, [table], rests_on)
     emit(common, results, text, rests_on)
     return int(any(f.severity == "error" for f in findings))
+
+
+@app.command
+def strength(file: str, *, common: Common = _DEFAULT) -> int:
+    """Safety, life, buckling, speed, play: value, limit, margin and verdict of each.
+
+    Exit status 1 if a check fails. --out writes the table as strength.json and strength.md.
+    """
+    mechanism = common.load(file)
+    numbers = checked_numbers(mechanism)
+    doing("computing capacities and life")
+    from ...report import checks_table
+
+    values = check_values(mechanism)
+    checks = strength_checks_from(mechanism, numbers, values)
+    findings, rests_on = check_from(mechanism, numbers), assumptions(mechanism, tuple(values))
+    status = status_of(checks, ())
+    results = {"checks": [one.to_dict() for one in checks], "status": status}
+    shown = checks_table(f"Strength of {file}: {status}", checks, len(mechanism.stages))
+    table = TextTable(shown.caption, shown.head, shown.rows)
+    if common.out is not None:
+        save_tables(common.out, "strength", results, [table], rests_on)
+    valid = emit(common, results, lambda: table.text(terminal_width()), rests_on, findings)
+    return int(not valid or status == "fail")
 
 
 def steady_results(state: SteadyState, point: OperatingPoint | None) -> dict[str, Any]:

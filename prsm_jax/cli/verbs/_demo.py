@@ -1,20 +1,26 @@
-"""The main job in one command: analyse, differentiate, improve, report."""
+"""Verbs that write a report: report, and demo, which differentiates and improves first."""
 
+import datetime
 import json
+import shlex
 import sys
 import time
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import equinox as eqx
 from cyclopts import Parameter
 
-from ...quantities import assumptions
+from ..._errors import PrsmError
+from ...mechanism import Mechanism
+from ...quantities import assumptions, available_quantities
 from .._app import app
-from .._common import Common, plain
+from .._common import Common, emit, plain
 from .._optimised import optimised_text
 from .._progress import clear, doing, expect_programs, tell
-from .._tables import terminal_width
+from .._tables import TextTable, terminal_width
 from ._analyse import steady_results, told
 from ._contact import contact_results
 from ._design import told_of_search
@@ -22,9 +28,17 @@ from ._modal import modal_results
 from ._simulate import transient_results
 
 if TYPE_CHECKING:
-    from ...report import ReportData
+    from ...report import Origin, ReportData
 
 _DEFAULT = Common()
+#: Programs of a report, for the line of progress.
+_PROGRAMS = (
+    *("_contacts", "modal", "steady_state", "_transient", "_strengths", "force_deflection"),
+    "load_distribution",
+)
+#: Quantities of strength in the sensitivities of the demo, beside those that are the default.
+#: Derivatives of capacities with load sharing take too long to compile.
+_OF_STRENGTH = ("buckling_safety", "critical_speed_margin")
 # The search for the largest stress is slow if it is not compiled.
 _contact_results = eqx.filter_jit(contact_results)
 
@@ -44,23 +58,118 @@ def _all_results(data: "ReportData") -> dict[str, Any]:
     return results
 
 
+@Parameter(name="*")
+@dataclass(frozen=True)
+class Signed:
+    """Fields of a report for signature."""
+
+    author: Annotated[str, Parameter(help="Who is responsible; default that of the file.")] = ""
+    revision: Annotated[str, Parameter(help="Revision, such as B; default that of the file.")] = ""
+
+    def origin(self, file: str, settings: Sequence[str]) -> "Origin":
+        """The origin of a mechanism, with today's date."""
+        from ...report import origin_of_file
+
+        today = datetime.date.today().isoformat()
+        signed = {"author": self.author, "revision": self.revision, "date": today}
+        return origin_of_file(file, settings=settings, **signed)
+
+
+def _read(file: str, common: Common, signed: Signed) -> tuple[Mechanism, "Origin"]:
+    """A mechanism and its origin.
+
+    **Raises:** `PrsmError` if the file changes while it is read, since its hash would be wrong.
+    """
+    origin = signed.origin(file, common.settings)
+    mechanism = common.load(file)
+    if signed.origin(file, common.settings).sha256 != origin.sha256:
+        raise PrsmError(f"{file}: changed while it was read; run the command again")
+    return mechanism, origin
+
+
+def _command(verb: str, file: str, folder: Path, common: Common, signed: Signed) -> str:
+    """The command that made a report, as it can be entered again."""
+    words = ["prsm", verb, file, "--out", str(folder)]
+    words += [word for one in common.settings for word in ("--set", one)]
+    for name in ("author", "revision"):
+        value = getattr(signed, name)
+        words += [f"--{name}", value] if value else []
+    return shlex.join(words)
+
+
+def _tell_faults(faults: Sequence[str]) -> None:
+    for fault in faults:
+        clear()
+        print(f"prsm: warning: the report is not complete: {fault}", file=sys.stderr)
+
+
+@app.command
+def report(
+    file: str,
+    *,
+    transient: Annotated[
+        bool, Parameter(help="Simulate, where the file has a duration or a scenario.")
+    ] = True,
+    signed: Signed = Signed(),
+    common: Common = _DEFAULT,
+) -> int:
+    """Write a report for signature: status, findings, inputs, drawings, results, assumptions.
+
+    Writes report.html (everything in one file, with interactive charts), report.md, report.json
+    and figures to --out (default out/report).
+    """
+    from ...report import analyse, checks_table, write_report
+
+    common.check_targets("out/report")
+    mechanism, origin = _read(file, common, signed)
+    folder = Path("out/report") if common.out is None else common.out
+    expect_programs(*_PROGRAMS, "_numbers")
+    doing("analysing: contact, vibration, steady state, transient, strength")
+    command = _command("report", file, folder, common, signed)
+    data = analyse(mechanism, source=file, command=command, transient=transient, origin=origin)
+    doing("drawing and writing the report")
+    faults: list[str] = []
+    path = write_report(folder, data, on_fault=faults.append)
+    findings = data.findings or ()
+    results = {
+        "report": path,
+        "status": data.status,
+        "checks": [one.to_dict() for one in data.checks or ()],
+        "sha256": origin.sha256,
+        "author": origin.author or mechanism.author,
+        "revision": origin.revision or mechanism.revision,
+        "date": origin.date,
+        "complete": not faults,
+    }
+
+    def text() -> str:
+        shown = checks_table(f"Status: {data.status}", data.checks or (), len(mechanism.stages))
+        table = TextTable(shown.caption, shown.head, shown.rows)
+        return f"{table.text(terminal_width())}\n{path}  (everything, in one file)\n"
+
+    valid = emit(common, results, text, assumptions(mechanism), findings)
+    _tell_faults(faults)
+    return int(bool(faults) or not valid)
+
+
 @app.command
 def demo(
     file: Annotated[
         str, Parameter(help="A file or example with [operating_point] and [optimise].")
     ] = "actuator",
     *,
+    signed: Signed = Signed(),
     common: Common = _DEFAULT,
 ) -> int:
     """Analyse, differentiate and improve a mechanism, and write a report with pictures.
 
-    Writes report.html, report.md, figures, results.json and optimised.toml to --out (default
-    out/demo).
+    Writes report.html, report.md, report.json, figures, results.json and optimised.toml to --out
+    (default out/demo).
     """
     from ...file import loads
     from ...optimisation import optimise
     from ...report import analyse, summarise_optimisation, write_report
-    from ...sensitivities import sensitivity
+    from ...sensitivities import DEFAULT_QUANTITIES, sensitivity
 
     began = time.perf_counter()
 
@@ -70,25 +179,21 @@ def demo(
 
     common.check_targets("out/demo")
     say(f"reading {file}")
-    mechanism = common.load(file)
+    mechanism, origin = _read(file, common, signed)
     problem = mechanism.design_problem
     if problem is None:
         raise ValueError(f"{file} has no [optimise] table; give one, or use the example actuator")
 
     expect_programs(
-        *(
-            "_numbers",
-            "compiled_values",
-            "compiled_derivatives",
-            "_contacts",
-            "modal",
-            "steady_state",
-        ),
-        *("_transient", "_strengths", "force_deflection", "load_distribution"),
-        *("contact_results", "_numbers"),
+        *("_numbers", "compiled_values", "compiled_derivatives"),
+        *(*_PROGRAMS, "contact_results", "_numbers"),
     )
     say("differentiating: exact sensitivities to " + ", ".join(v.name for v in problem.variables))
-    table = sensitivity(mechanism, parameters=[variable.name for variable in problem.variables])
+    table = sensitivity(
+        mechanism,
+        quantities=available_quantities(mechanism, (*DEFAULT_QUANTITIES, *_OF_STRENGTH)),
+        parameters=[variable.name for variable in problem.variables],
+    )
     tell(table.text(terminal_width()))
 
     say(f"optimising from {problem.starts} starts")
@@ -107,10 +212,11 @@ def demo(
     data = analyse(
         mechanism,
         source=file,
-        command=f"prsm demo {file} --out {folder}",
+        command=_command("demo", file, folder, common, signed),
         sensitivity=table,
         optimisation=summarise_optimisation(best),
         improved=improved,
+        origin=origin,
     )
     results = {
         "before": _all_results(data),
@@ -118,21 +224,25 @@ def demo(
         "sensitivity": table.to_dict(),
         "optimise": best.to_dict() | {"mechanism": next(iter(files), None)},
         "assumptions": assumptions(mechanism),
+        "status": {name: one.status for name, one in data.designs.items()},
+        "checks": {
+            name: [check.to_dict() for check in one.checks or ()]
+            for name, one in data.designs.items()
+        },
+        "sha256": origin.sha256,
     }
     say("drawing and writing the report")
     encoded = json.dumps(plain(results), indent=2, ensure_ascii=False, allow_nan=False)
     faults: list[str] = []
-    report = write_report(
+    path = write_report(
         folder,
         data,
         attachments={"results.json": encoded + "\n", **files},
         on_fault=faults.append,
     )
     say("done; look at")
-    tell(f"  {report}  (everything, in one file)")
-    for name in ("report.md", "figures", "results.json", *files):
+    tell(f"  {path}  (everything, in one file)")
+    for name in ("report.md", "report.json", "figures", "results.json", *files):
         tell(f"  {folder / name}")
-    for fault in faults:
-        clear()
-        print(f"prsm: warning: the report is not complete: {fault}", file=sys.stderr)
+    _tell_faults(faults)
     return int(not best.converged or bool(faults))

@@ -209,6 +209,16 @@ def _max_speed(mechanism: Mechanism, rpm: float | None) -> float:
     return rpm * np.pi / 30
 
 
+def _speeds_of_operation(mechanism: Mechanism) -> tuple[float, float] | None:
+    """Lowest and highest speed of operating point and duty cycle, standstill apart [rad/s]."""
+    point, cycle = mechanism.operating_point, mechanism.duty_cycle
+    given = [] if point is None else [np.abs(np.ravel(point.speed))]
+    given += [] if cycle is None else [np.abs(np.ravel(cycle.speed))]
+    speeds = np.concatenate(given) if given else np.zeros(0)
+    speeds = speeds[speeds > 0]
+    return (float(speeds.min()), float(speeds.max())) if speeds.size else None
+
+
 @app.command
 def campbell(
     file: str,
@@ -240,7 +250,8 @@ def campbell(
     if common.out is not None and diagram.crossings(speed):
         from ...report import campbell_chart, save_figures
 
-        picture = save_figures(common.out, {"campbell": campbell_chart(diagram, speed)})[0]
+        chart = campbell_chart(diagram, speed, _speeds_of_operation(mechanism))
+        picture = save_figures(common.out, {"campbell": chart})[0]
 
     def text() -> str:
         rows = [

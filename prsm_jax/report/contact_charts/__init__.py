@@ -1,6 +1,7 @@
 """Charts of contacts: ellipses, pressures, stresses below the surface, loads of threads."""
 
 from ._contact_ellipses import contact_ellipses as contact_ellipses
+from ._flank_lines import FlankLine as FlankLine, flank_lines as flank_lines
 from ._force_deflection_chart import force_deflection_chart as force_deflection_chart
 from ._line_contact_chart import line_contact_chart as line_contact_chart
 from ._pressure_map import pressure_map as pressure_map, pressure_profiles as pressure_profiles

@@ -12,7 +12,12 @@ from .._style import INK, Figure, drawn, page_figure
 
 
 @drawn
-def stress_section(stress: SubsurfaceStress, along: Literal["x", "y"] = "x") -> Figure:
+def stress_section(
+    stress: SubsurfaceStress,
+    along: Literal["x", "y"] = "x",
+    *,
+    hardness_depth: float | None = None,
+) -> Figure:
     """Draw the von Mises stress below a contact of true surfaces, in a plane through its maximum.
 
     Thin lines are drawn at the values that are printed at the colour bar.
@@ -21,15 +26,19 @@ def stress_section(stress: SubsurfaceStress, along: Literal["x", "y"] = "x") -> 
 
     - `stress`: from `prsm_jax.halfspace.subsurface_stress_field`, at two depths or more.
     - `along`: the axis of the grid that the section follows.
+    - `hardness_depth`: depth to which the surface is hardened, drawn as a line [m].
 
     **Returns:** a matplotlib figure; lengths in mm or µm, stress in MPa. A cross marks the largest
     stress of all points; the section passes through it.
 
-    **Raises:** `ValueError` for another axis or fewer than two depths; `MissingExtraError` without
+    **Raises:** `ValueError` for another axis, fewer than two depths or a hardness depth that is not
+    positive; `MissingExtraError` without
     matplotlib.
     """
     if along not in ("x", "y"):
         raise ValueError(f"along is {along!r}; choose 'x' or 'y'")
+    if hardness_depth is not None and not hardness_depth > 0:
+        raise ValueError(f"hardness_depth is {hardness_depth}; give a depth above 0, in m")
     from matplotlib.ticker import MaxNLocator
 
     depths = np.asarray(stress.depths)
@@ -56,6 +65,9 @@ def stress_section(stress: SubsurfaceStress, along: Literal["x", "y"] = "x") -> 
     filled.set_edgecolor("face")
     axes.contour(across, down, section, levels=steps[1:], colors="white", linewidths=0.5)
     axes.plot(across[index], down[peak[0]], marker="+", color=INK, markersize=9, mew=1.2)
+    limit = None if hardness_depth is None else unit(float(hardness_depth))
+    if limit is not None and limit <= down[-1]:
+        axes.axhline(limit, color=INK, lw=1.0, ls=(0, (5, 2)), label="hardness depth")
     axes.invert_yaxis()
     axes.set_aspect("equal")
     name = "y" if along == "x" else "x"
@@ -65,6 +77,7 @@ def stress_section(stress: SubsurfaceStress, along: Literal["x", "y"] = "x") -> 
     axes.set_xlabel(
         f"{along} in {unit.label}\nlargest {largest} at a depth of "
         f"{in_unit(depths[peak[0]], unit, 3)}"
+        + ("" if limit is None else f"; hardness depth {in_unit(limit / unit.per_si, unit, 3)}")
     )
     axes.set_ylabel(f"depth in {unit.label}")
     colour_bar(figure, filled, axes, "von Mises stress in MPa", ticks=list(steps))

@@ -54,13 +54,7 @@ def life_chart(
         raise ValueError("the spectrum has no load, so its life is infinite; nothing can be drawn")
 
     def comparable(forces: np.ndarray) -> np.ndarray:
-        """Loads whose lives follow the cube law."""
-        if fatigue is None:
-            return forces
-        # Padded to one of few lengths, so that one compiled program serves nearly all.
-        padded = np.pad(forces, (0, -len(forces) % _POINTS), mode="edge")
-        result = _comparable_load(fatigue, jnp.asarray(padded), jnp.asarray(rated))
-        return np.asarray(result)[: len(forces)]
+        return _comparable(fatigue, forces, rated)
 
     mean = _constant_load(comparable, np.sum(share * comparable(loads) ** 3) ** (1 / 3))
     order = np.argsort(-loads, kind="stable")
@@ -103,7 +97,7 @@ def life_chart(
         rated,
         mean,
         static_capacity,
-        lambda forces: 1e6 * (rated / comparable(forces)) ** 3,
+        lambda forces: lives_under(forces, rated, fatigue),
     )
     return figure
 
@@ -115,6 +109,32 @@ _POINTS, _TIMES = 64, 4
 @eqx.filter_jit
 def _comparable_load(fatigue: TruncatedFatigue, forces: Array, capacity: Array) -> Array:
     return fatigue.comparable_load(forces, capacity)
+
+
+def _comparable(
+    fatigue: TruncatedFatigue | None, forces: np.ndarray, capacity: float
+) -> np.ndarray:
+    """Loads whose lives follow the cube law."""
+    if fatigue is None:
+        return forces
+    # Padded to one of few lengths, so that one compiled program serves nearly all.
+    padded = np.pad(forces, (0, -len(forces) % _POINTS), mode="edge")
+    result = _comparable_load(fatigue, jnp.asarray(padded), jnp.asarray(capacity))
+    return np.asarray(result)[: len(forces)]
+
+
+def lives_under(
+    forces: np.ndarray, capacity: float, fatigue: TruncatedFatigue | None = None
+) -> np.ndarray:
+    """Basic rating life under constant loads, in turns of the screw.
+
+    **Arguments:**
+
+    - `forces`: the loads [N].
+    - `capacity`: dynamic capacity [N].
+    - `fatigue`: as for `life_chart`.
+    """
+    return 1e6 * (capacity / _comparable(fatigue, forces, capacity)) ** 3
 
 
 def _constant_load(comparable: Callable[[np.ndarray], np.ndarray], target: float) -> float:

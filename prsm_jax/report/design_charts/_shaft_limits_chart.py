@@ -37,6 +37,17 @@ def _with_ends(stage: Stage, end_conditions: str) -> Stage:
     return eqx.tree_at(lambda s: s.strength.shaft, stage, shaft)
 
 
+def shaft_limits(stage: Stage) -> tuple[np.ndarray, dict[str, tuple[np.ndarray, np.ndarray]]]:
+    """Lengths of a screw [m], and by end conditions its buckling load [N] and speed [rad/s]."""
+    own = float(loaded_length(stage)), float(unsupported_length(stage))
+    lengths = np.geomspace(min(own) / 3, max(own) * 6, _SAMPLES)
+    limits: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    for ends in END_CONDITIONS:
+        load, speed = _curves(_with_ends(stage, ends), jnp.asarray(lengths))
+        limits[ends] = np.asarray(load), np.asarray(speed)
+    return lengths, limits
+
+
 @drawn
 def shaft_limits_chart(
     stage: Stage,
@@ -60,18 +71,17 @@ def shaft_limits_chart(
     matplotlib.
     """
     own = float(loaded_length(stage)), float(unsupported_length(stage))
-    lengths = np.geomspace(min(own) / 3, max(own) * 6, _SAMPLES)
+    lengths, limits = shaft_limits(stage)
     millimetres, kilonewtons = DisplayUnit("mm", 1e3), DisplayUnit("kN", 1e-3)
     rpm = display_unit("rad/s")
     figure = page_figure(92)
     panels = figure.subplots(1, 2)
-    for index, ends in enumerate(END_CONDITIONS):
-        curves = _curves(_with_ends(stage, ends), jnp.asarray(lengths))
+    for index, (ends, curves) in enumerate(limits.items()):
         chosen = ends == _shaft(stage).end_conditions
         for axes, values, unit in zip(panels, curves, (kilonewtons, rpm), strict=True):
             axes.loglog(
                 millimetres(lengths),
-                unit(np.asarray(values)),
+                unit(values),
                 color=SERIES[index],
                 linestyle=_DASHES[index],
                 linewidth=2.4 if chosen else 1.1,

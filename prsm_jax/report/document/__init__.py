@@ -4,9 +4,9 @@ from ._contact_pictures import (
     contact_pictures as contact_pictures,
     save_contact_pictures as save_contact_pictures,
 )
-from ._data import ReportData as ReportData, analyse as analyse
 from ._section import Picture as Picture, Section as Section, Table as Table
 from ._sections import report_section as report_section
+from ._status_section import checks_table as checks_table
 from ._study_sections import study_sections as study_sections, write_study as write_study
 from ._transient_pictures import save_transient_pictures as save_transient_pictures
 from ._write import write_document as write_document, write_report as write_report

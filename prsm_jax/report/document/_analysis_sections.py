@@ -8,7 +8,14 @@ import numpy as np
 from ...text import display_unit, in_unit, number, show
 from .._style import readable
 from ..animations import mode_shapes
-from ..contact_charts import contact_ellipses
+from ..contact_charts import FlankLine, contact_ellipses
+from ..interactive import (
+    frequency_bars,
+    history_curves,
+    loss_bars,
+    power_curves,
+    transient_curves,
+)
 from ..motion_charts import (
     efficiency_text,
     energy_flow,
@@ -22,9 +29,8 @@ from ..motion_charts import (
     time_to_settle,
     transient_chart,
 )
+from ..results import SIDES, ReportData, any_cut, largest_pressures
 from ..vibration_charts import elastic_modes, frequency_chart
-from ._data import ReportData
-from ._pressures import SIDES, any_cut, largest_pressures
 from ._section import Picture, Section, Table
 
 
@@ -44,6 +50,17 @@ def _pressures(data: ReportData, index: int) -> dict[str, tuple[float, float]]:
     known = [one for one in designs if one is not None and one.contacts is not None]
     labels = _designs(data, "contacts", index)
     return {label: largest_pressures(one, index) for label, one in zip(labels, known, strict=True)}
+
+
+def _ends(data: ReportData, index: int) -> dict[str, tuple[FlankLine, ...]]:
+    """Crests and roots beside the ellipses of one stage, by label as in `_pressures`."""
+    designs = (data, data.improved)
+    known = [one for one in designs if one is not None and one.contacts is not None]
+    labels = _designs(data, "contacts", index)
+    return {
+        label: one.flank_lines[index] if one.flank_lines else ()
+        for label, one in zip(labels, known, strict=True)
+    }
 
 
 def contact_section(data: ReportData) -> Section | None:
@@ -87,8 +104,11 @@ def contact_section(data: ReportData) -> Section | None:
     pictures = tuple(
         Picture(
             f"contact_ellipses{data.of_stage(i)[0]}",
-            f"Contact ellipses of one thread{data.of_stage(i)[1]}, to the same scale.",
-            lambda i=i: contact_ellipses(_designs(data, "contacts", i), _pressures(data, i)),
+            f"Contact ellipses of one thread{data.of_stage(i)[1]}, to the same scale, and the "
+            "crests and roots in their reach.",
+            lambda i=i: contact_ellipses(
+                _designs(data, "contacts", i), _pressures(data, i), _ends(data, i)
+            ),
         )
         for i in range(len(data.contacts))
     )
@@ -130,6 +150,7 @@ def vibration_section(data: ReportData) -> Section | None:
                 f"frequencies{suffix}",
                 f"Natural frequencies by family{words}; ×2 marks a repeated frequency.",
                 lambda index=index: frequency_chart(_designs(data, "modes", index)),
+                lambda index=index: frequency_bars(_designs(data, "modes", index)),
             )
         )
         if modes.system is not None:
@@ -199,7 +220,14 @@ def steady_section(data: ReportData) -> Section | None:
         chart = _designs(data, "steady")
     else:
         chart = {"screw drives": data.forward, "load drives": data.backward}
-    pictures = [Picture("losses", "Power balance and losses.", lambda: loss_chart(chart))]
+    pictures = [
+        Picture(
+            "losses",
+            "Power balance and losses.",
+            lambda: loss_chart(chart),
+            (lambda: loss_bars(chart)) if state.losses else None,
+        )
+    ]
     forward = data.forward
     if steady_flow(forward).total > 0:
         pictures.append(
@@ -245,6 +273,7 @@ def transient_section(data: ReportData) -> Section | None:
                 "transient",
                 "Efficiency, carrier ratio and drive torque.",
                 lambda: transient_chart(run),
+                lambda: transient_curves(run),
             )
         )
     pictures += [
@@ -252,11 +281,13 @@ def transient_section(data: ReportData) -> Section | None:
             "histories",
             "Motion, torque, load and forces over time.",
             lambda: history_chart(data.mechanism, run),
+            lambda: history_curves(data.mechanism, run),
         ),
         Picture(
             "powers",
             "Powers over time: supply, work on the load, losses and change of kinetic energy.",
             lambda: power_history_chart(data.mechanism, run),
+            lambda: power_curves(data.mechanism, run),
         ),
     ]
     flow = energy_flow(data.mechanism, run)

@@ -14,6 +14,7 @@ from ...text import short_label
 from .._style import Figure, save_figures
 from ..contact_charts import (
     contact_ellipses,
+    flank_lines,
     force_deflection_chart,
     line_contact_chart,
     pressure_map,
@@ -22,7 +23,7 @@ from ..contact_charts import (
     subsurface_chart,
     thread_load_chart,
 )
-from ._pressures import truncated_pressures, untruncated_pressures
+from ..results import truncated_pressures, untruncated_pressures
 
 _SIDES = ("screw", "nut")
 #: Friction coefficient for the stress below contacts if the thread has no Coulomb friction.
@@ -90,7 +91,9 @@ def contact_pictures(
         suffix = f"-stage-{number}" if len(mechanism.stages) > 1 else ""
         label = short_label(mechanism.title) or "thread contact"
         pressures = truncated_pressures(_side_onsets(stage), untruncated_pressures(pair))
-        figures["contact-ellipses" + suffix] = contact_ellipses({label: pair}, {label: pressures})
+        figures["contact-ellipses" + suffix] = contact_ellipses(
+            {label: pair}, {label: pressures}, {label: flank_lines(stage, jnp.abs(shared))}
+        )
         flank_contacts = _true_flanks(stage, shared, cells)
         if flank_contacts:
             figures["pressure-map" + suffix] = pressure_map(flank_contacts)

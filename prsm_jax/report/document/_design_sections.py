@@ -17,8 +17,8 @@ from ..design_charts import (
     signed_change,
 )
 from ..drawings import cross_section
-from ._data import ReportData
-from ._pressures import largest_pressure
+from ..interactive import elasticity_bars, objective_curve
+from ..results import ReportData, largest_pressure
 from ._section import Picture, Section, Table
 
 
@@ -92,6 +92,7 @@ def sensitivity_section(data: ReportData) -> Section | None:
         "sensitivities",
         "Elasticities by quantity.",
         lambda: sensitivity_bars(table.quantities, table.parameters, elasticity),
+        lambda: elasticity_bars(table.quantities, table.parameters, elasticity),
     )
     words = ("Exact derivatives at the operating point, by automatic differentiation.",)
     if kinks:
@@ -145,6 +146,7 @@ def optimisation_section(data: ReportData) -> Section | None:
                 violations=result.violations,
                 feasible=result.feasible,
             ),
+            lambda: objective_curve(result.history, result.objective, result.objective_unit),
         )
     ]
     if data.improved is not None:

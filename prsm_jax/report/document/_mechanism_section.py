@@ -7,7 +7,7 @@ from ...geometry import roller_clearance
 from ...mechanism import Stage, body_mass, stage_mass
 from ...text import display_unit, show, trimmed
 from ..drawings import cross_section
-from ._data import ReportData
+from ..results import ReportData
 from ._section import Picture, Section, Table
 
 
@@ -46,10 +46,7 @@ def mechanism_section(data: ReportData) -> Section:
 
 def findings_section(data: ReportData) -> Section:
     """Findings of the checks, for the design and for the optimised one."""
-    designs = {"": data.findings}
-    if data.improved is not None:
-        after = "optimum" if data.feasible else "best found"
-        designs = {"start": data.findings, after: data.improved.findings}
+    designs = {name: one.findings for name, one in data.designs.items()}
     many = len(data.mechanism.stages) > 1
     head = ("severity", *(("stage",) if many else ()), "check", "message")
     words, tables = [], []

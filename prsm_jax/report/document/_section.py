@@ -5,17 +5,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ...text import short_heading
-
-
-def words_of_fault(error: Exception) -> str:
-    """A fault of this program in one line, for a user to report."""
-    words = short_heading(str(error))
-    return f"{type(error).__name__}: {words}" if words else type(error).__name__
-
+from ..interactive import Chart
 
 #: How a cell with a number begins: a sign, digits or infinity.
 _NUMBER = re.compile("[-+\N{MINUS SIGN}<>≤≥]?\\s*[\\d∞]")
+
+
+#: A table of more rows may not fit on a page.
+_ROWS_OF_A_PAGE = 22
 
 
 @dataclass(frozen=True)
@@ -37,14 +34,28 @@ class Table:
                 columns.append(index)
         return tuple(columns)
 
+    @property
+    def verdict_columns(self) -> tuple[int, ...]:
+        """Columns of verdicts, which are shown in colour."""
+        return tuple(i for i, words in enumerate(self.head) if words.startswith("verdict"))
+
+    @property
+    def long(self) -> bool:
+        """Whether it may be broken between two pages; its head is then repeated."""
+        return len(self.rows) > _ROWS_OF_A_PAGE
+
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture to be drawn: a file name, a caption, and the function that draws it."""
+    """A picture to be drawn: a file name, a caption, and the function that draws it.
+
+    `chart` makes its curves, for the interactive chart that a browser shows in its place.
+    """
 
     name: str
     caption: str
     draw: Callable[[], Any]
+    chart: Callable[[], Chart] | None = None
 
 
 @dataclass(frozen=True)
@@ -60,3 +71,5 @@ class Section:
     assumptions: tuple[str, ...] = ()
     #: Parts missing because of a fault of this program, as sentences.
     faults: tuple[str, ...] = ()
+    #: "pass", "warning" or "fail" of a section that states it, else empty.
+    status: str = ""

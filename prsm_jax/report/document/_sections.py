@@ -1,26 +1,25 @@
 """The whole report as a list of sections."""
 
 import collections
-import platform
 from collections.abc import Callable
 
-from ..._version import __version__
 from ...geometry import Finding
 from ...programs import origin_of
 from ...text import show
 from ..motion_charts import efficiency_text
+from ..results import ReportData, largest_pressure, largest_shared_pressure, words_of_fault
 from ._analysis_sections import (
     contact_section,
     steady_section,
     transient_section,
     vibration_section,
 )
-from ._assumptions import with_assumptions
-from ._data import ReportData
 from ._design_sections import optimisation_section, sensitivity_section
+from ._foundations import left_out_section, provenance_section, with_assumptions
+from ._inputs_section import inputs_section
 from ._mechanism_section import findings_section, mechanism_section
-from ._pressures import largest_pressure, largest_shared_pressure
-from ._section import Section, Table, words_of_fault
+from ._section import Section
+from ._status_section import status_section
 from ._strength_section import sharing_section, strength_section
 
 _Maker = Callable[[ReportData], Section | None]
@@ -28,7 +27,7 @@ _own: dict[str, tuple[str, _Maker]] = {}
 
 
 def report_section(anchor: str, title: str) -> Callable[[_Maker], _Maker]:
-    """Add a section of your own to the report, before the provenance.
+    """Add a section of your own to the report, before what is left out and the provenance.
 
     The function makes it from the report's data, or returns `None` if they contain nothing for it.
     It may be defined again, as when a cell of a notebook is run twice.
@@ -56,8 +55,10 @@ def report_section(anchor: str, title: str) -> Callable[[_Maker], _Maker]:
 def _sections() -> tuple[tuple[str, str, _Maker], ...]:
     """Anchor, title and maker of the package's own sections, in the order of reading."""
     return (
+        ("status", "Status", status_section),
         ("summary", "In short", _summary),
         ("findings", "Findings", findings_section),
+        ("inputs", "Inputs", inputs_section),
         ("mechanism", "Mechanism", mechanism_section),
         ("contact", "Thread contact", contact_section),
         ("load_sharing", "Load sharing", sharing_section),
@@ -67,7 +68,8 @@ def _sections() -> tuple[tuple[str, str, _Maker], ...]:
         ("strength", "Strength and life", strength_section),
         ("sensitivity", "Sensitivities", sensitivity_section),
         ("optimisation", "Optimisation", optimisation_section),
-        ("provenance", "Provenance", _provenance),
+        ("left_out", "Assumptions and parts left out", left_out_section),
+        ("provenance", "Provenance", provenance_section),
     )
 
 
@@ -76,9 +78,9 @@ def report_sections(data: ReportData) -> tuple[Section, ...]:
 
     A section that cannot be made is included, and says so.
     """
-    *first, last = _sections()
+    *first, left_out, provenance = _sections()
     own = [(anchor, title, make) for anchor, (title, make) in _own.items()]
-    makers = (*first, *own, last)
+    makers = (*first, *own, left_out, provenance)
     sections = [_made(anchor, title, data, make) for anchor, title, make in makers]
     return tuple(section for section in sections if section is not None)
 
@@ -150,23 +152,3 @@ def _need_attention(design: str, findings: tuple[Finding, ...] | None) -> list[s
     kinds = collections.Counter(f.severity for f in serious)
     counted = " and ".join(f"{k} {kind}{'s' * (k > 1)}" for kind, k in sorted(kinds.items()))
     return [f"The checks{design} found {counted}: {names}."]
-
-
-def _provenance(data: ReportData) -> Section:
-    import jax
-
-    bits = "64" if data.mechanism.stages[0].thread.lead.dtype.itemsize == 8 else "32"
-    rows = [
-        ("prsm_jax", __version__),
-        ("JAX", jax.__version__),
-        ("Python", platform.python_version()),
-    ]
-    rows.append(("numbers", f"float{bits}"))
-    if data.source:
-        rows.append(("mechanism from", data.source))
-    if data.command:
-        rows.append(("command", data.command))
-    tables = [Table("Made with", ("", ""), tuple(rows))]
-    if data.left_out:
-        tables.append(Table("Not analysed", ("part", "because"), tuple(data.left_out)))
-    return Section("provenance", "Provenance", (), tuple(tables))

@@ -23,28 +23,60 @@ from ...text import number, show
 from .._style import readable
 from ..contact_charts import force_deflection_chart, thread_load_chart
 from ..design_charts import life_chart, shaft_limits_chart
-from ._data import ReportData
-from ._pressures import largest_shared_pressure
+from ..interactive import deflection_curves, life_curve, shaft_limit_curves, thread_load_bars
+from ..results import ReportData, largest_shared_pressure
 from ._section import Picture, Section, Table
+from ._status_section import margin_text
+
+#: The check whose verdict a quantity has, and the limit of the quantity where it is a number.
+_CHECK_OF: dict[str, tuple[str, float | None]] = {
+    "static_safety": ("static_safety", 1.0),
+    "life_ratio": ("rating_life", 1.0),
+    "buckling_safety": ("buckling", None),
+    "critical_speed_margin": ("screw_speed", 0.0),
+    "axial_backlash": ("backlash", 0.0),
+}
+
+
+def _verdict(data: ReportData, name: str, unit: str, stage: int) -> tuple[str, str, str]:
+    """Limit, margin and verdict of a quantity; `stage` is 0 for one of the whole mechanism.
+
+    A quantity of the whole mechanism has the verdict of its worst stage.
+    """
+    check, limit = _CHECK_OF.get(name, ("", None))
+    found = [c for c in data.checks or () if c.name == check and stage in (0, c.stage)]
+    known = [one for one in found if one.limit is not None and one.margin is not None]
+    if not known:
+        return "", "", "no limit"
+    worst = min(known, key=lambda one: one.margin if one.margin is not None else np.inf)
+    least = worst.limit if limit is None else limit
+    assert least is not None
+    return f"at least {show(least, unit)}", margin_text(worst), worst.verdict
 
 
 def strength_section(data: ReportData) -> Section | None:
     """Capacities, safety, life, limits of the shaft, play: those that the file has data for."""
     if not data.strength:
         return None
-    improved = None if data.improved is None else data.improved.strength
+    after = data.improved if data.improved is not None and data.improved.strength else None
+    improved = None if after is None else after.strength
     rows = []
     for name, value in data.strength.items():
         quantity = find_quantity(name)
-        after = np.ravel(improved[name]) if improved and name in improved else None
+        later = np.ravel(improved[name]) if improved and name in improved else None
         for index, component in enumerate(np.ravel(value)):
             several = np.size(value) > 1
             words = f", {quantity.dimensions[0]} {index + 1}" if several else ""
+            stage = index + 1 if quantity.dimensions else 0
+            verdict = _verdict(data, name, quantity.unit, stage)
             cells = [readable(name) + words, quantity.symbol, show(component, quantity.unit, name)]
-            if improved:
-                cells.append("" if after is None else show(after[index], quantity.unit, name))
+            cells += verdict
+            if after is not None:
+                cells.append("" if later is None else show(later[index], quantity.unit, name))
+                cells += _verdict(after, name, quantity.unit, stage)[2:]
             rows.append(tuple(cells))
-    head = ("", "symbol", "value", *((data.later,) if improved else ()))
+    head = ("", "symbol", "value", "limit", "margin", "verdict")
+    head += (data.later, "verdict after") if after is not None else ()
     words = (
         "No standard exists for planetary roller screws: capacities and life follow the practice "
         "for ball bearings and ball screws (ISO 76, ISO 281, ISO 3408-5), applied to the contacts "
@@ -75,6 +107,7 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
                     f"Loads of the duty cycle, their damage, and the life{words}.{note}"
                     + _cut_at_capacity(values, index),
                     lambda c=capacity, s=ends, d=drawn, f=fatigue: life_chart(c, d, s, f),
+                    lambda c=capacity, s=ends, f=fatigue: life_curve(c, s, f),
                 )
             )
         if stage.strength is not None and stage.strength.shaft is not None:
@@ -84,6 +117,7 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
                     f"Limits of the screw over its unsupported length{words}; the points are the "
                     "largest load and speed of operating point and duty cycle.",
                     lambda s=stage: shaft_limits_chart(s, *_demand(mechanism)),
+                    lambda s=stage: shaft_limit_curves(s),
                 )
             )
     return tuple(pictures)
@@ -161,6 +195,7 @@ def sharing_section(data: ReportData) -> Section | None:
                 f"thread_loads{suffix}",
                 f"Load of every thread{words}.",
                 lambda shared=shared: thread_load_chart(shared),
+                lambda shared=shared: thread_load_bars(shared),
             )
         )
         curve = data.deflections.get(index)
@@ -170,6 +205,7 @@ def sharing_section(data: ReportData) -> Section | None:
                     f"force_deflection{suffix}",
                     f"Axial load over deflection of the nut, and its stiffness{words}.",
                     lambda curve=curve: force_deflection_chart({data.label: curve}),
+                    lambda curve=curve: deflection_curves({data.label: curve}),
                 )
             )
     words = (

@@ -12,8 +12,10 @@ from ..._errors import missing_extra
 from ...process import placing_in, put_file, real_path, temporary_folder
 from ...text import markdown, printable
 from .._style import save_figure
-from ._data import ReportData
-from ._section import Section, words_of_fault
+from ..interactive import Chart, plotly_figure, plotly_library, script_text
+from ..results import ReportData, words_of_fault
+from ._json import document_json
+from ._section import Section
 from ._sections import report_sections
 
 
@@ -63,7 +65,8 @@ def write_document(
 ) -> Path:
     """Write a document of sections into a directory.
 
-    `report.html` holds everything and can be sent alone; `report.md` refers to `figures/`, where
+    `report.html` holds everything and can be sent alone, with interactive charts if plotly is
+    installed; `report.md` and `report.json` have the same content and refer to `figures/`, where
     each picture lies as PNG and SVG. Everything is made beside the directory and moved in when it
     is complete, so a full disk or a signal leaves no partial report; other files in the directory
     stay. A section or picture that cannot be made is missing, and the report says so at its top.
@@ -91,7 +94,7 @@ def write_document(
     files = dict(attachments or {})
     for name in files:
         plain = name == Path(name).name and name not in ("", ".", "..")
-        if not plain or name in ("report.html", "report.md", "figures"):
+        if not plain or name in ("report.html", "report.md", "report.json", "figures"):
             raise ValueError(
                 f"attachment {name!r}: give a plain file name that is not the report's"
             )
@@ -140,11 +143,14 @@ class _Content:
 
 def _build(folder: Path, content: _Content, environment, dpi: int) -> tuple[str, ...]:
     """Write everything; return what is missing because of a fault, as sentences."""
+    from markupsafe import Markup
+
     sections = content.sections
     figures = folder / "figures"
     figures.mkdir()
     lost: dict[str, tuple[str, ...]] = {}
     embedded = _draw(sections, figures, dpi, lost)
+    charts = _charts(sections, embedded, lost)
     sections = tuple(
         dataclasses.replace(
             section,
@@ -157,7 +163,15 @@ def _build(folder: Path, content: _Content, environment, dpi: int) -> tuple[str,
         *content.faults,
         *(f"{section.title}: {words}" for section in sections for words in section.faults),
     )
+    library = plotly_library() if charts else None
+    pages = {
+        name: Markup(script_text(plotly_figure(chart)))
+        for name, chart in charts.items()
+        if library is not None
+    }
     values = {
+        "library": None if library is None else Markup(library),
+        "charts": pages,
         "title": printable(content.title),
         "kind": content.kind,
         "sections": sections,
@@ -170,9 +184,28 @@ def _build(folder: Path, content: _Content, environment, dpi: int) -> tuple[str,
         text = environment.get_template(f"{name}.jinja").render(values)
         # A lone surrogate, which only Python strings can hold, must not lose the rest.
         (folder / name).write_text(text, encoding="utf-8", errors="replace")
+    words = document_json(content.title, content.kind, sections, charts, content.files, faults)
+    (folder / "report.json").write_text(words, encoding="utf-8", errors="replace")
     for name, text in content.files.items():
         (folder / name).write_text(text, encoding="utf-8")
     return faults
+
+
+def _charts(
+    sections: tuple[Section, ...], embedded: dict[str, str], lost: dict[str, tuple[str, ...]]
+) -> dict[str, Chart]:
+    """The curves of every picture that has them, by its name; a fault is kept as in `_draw`."""
+    charts: dict[str, Chart] = {}
+    for section in sections:
+        for picture in section.pictures:
+            if picture.chart is None or picture.name not in embedded:
+                continue
+            try:
+                charts[picture.name] = picture.chart()
+            except Exception as error:
+                words = f"The chart {picture.name} is not interactive: {words_of_fault(error)}"
+                lost[section.anchor] = (*lost.get(section.anchor, ()), words)
+    return charts
 
 
 def _draw(

@@ -6,10 +6,17 @@ from ...text import trimmed
 from .._style import BODY_COLOURS, INK, MUTED
 from ._drafting import Sheet
 from ._drawing_dimensions import DrawingDimensions
-from ._thread_profile import nut_profile, roller_profile, screw_profile, tooth_centres
+from ._thread_profile import (
+    nut_profile,
+    nut_shift,
+    roller_profile,
+    screw_profile,
+    screw_shift,
+    tooth_centres,
+)
 
 #: Space for the dimensions above and below the section, on paper [mm].
-ABOVE, BELOW = 8.0, 9.0
+ABOVE, BELOW = 8.0, 18.0
 #: How far the screw is drawn beyond the nut [mm, real].
 _STUB = 5.0
 
@@ -56,7 +63,7 @@ def _screw(sheet: Sheet, dims: DrawingDimensions, half: float, threaded: float) 
     carries = dims.family.carrying == "screw"
     reach = min(end, threaded) if carries else end
     centres = tooth_centres(dims, -reach, reach, shifted=True)
-    along, radius = screw_profile(dims, centres)
+    along, radius = screw_profile(dims, centres + screw_shift(dims))
     bore = dims.bore_radius or 0.0
     root = dims.screw_radius - dims.screw_dedendum
     if complete:
@@ -87,7 +94,7 @@ def _nut(sheet: Sheet, dims: DrawingDimensions, threaded: float) -> None:
     plain = dims.nut_radius + dims.roller_addendum
     reach = half if dims.family.carrying == "screw" else min(threaded, half)
     centres = tooth_centres(dims, -reach, reach, shifted=not dims.shifted_at_nut)
-    along, radius = nut_profile(dims, centres)
+    along, radius = nut_profile(dims, centres + nut_shift(dims))
     xs = np.concatenate([[-half], along, [half, half, -half]])
     ys = np.concatenate([[plain], radius, [plain, outer, outer]])
     open_edges = dims.nut_outer_radius is None or dims.nut_length is None
@@ -150,8 +157,33 @@ def _dimensions(sheet: Sheet, dims: DrawingDimensions, half: float) -> None:
         sheet.horizontal_dimension(
             -roller, roller, below, f"roller {trimmed(dims.roller_length)}", dims.centre_distance
         )
+    _end_dimensions(sheet, dims)
     left, right = sheet.axes.get_xlim()
     sheet.scale_bar(right - sheet.paper(2) - 10, below + sheet.paper(0.9), 10)
     if dims.screw_length is not None and dims.screw_length / 2 > half:
         words = f"screw {trimmed(dims.screw_length)},\nbroken off"
         sheet.text(left + sheet.paper(2), below, words, ha="left", va="center")
+
+
+def _end_dimensions(sheet: Sheet, dims: DrawingDimensions) -> None:
+    """Dimensions of gear, ring gear and carrier, under that of the roller."""
+    roller, below = dims.drawn_roller_length / 2, -sheet.paper(11.5)
+    middle = dims.centre_distance
+    if dims.gear_width is not None:
+        inside = roller - min(dims.gear_width, roller / 2)
+        words = f"gear {trimmed(dims.gear_width)}"
+        sheet.horizontal_dimension(-roller, -inside, below, words, middle - dims.roller_radius)
+    words = []
+    if dims.ring_length is not None and dims.ring_outer_radius is not None:
+        words.append(
+            f"ring gear {trimmed(dims.ring_length)}, ⌀{trimmed(2 * dims.ring_outer_radius)}"
+        )
+    inner, outer, length = dims.carrier_inner_radius, dims.carrier_outer_radius, dims.carrier_length
+    if inner is not None and outer is not None and length is not None:
+        if dims.carrier_count > 1:
+            sheet.horizontal_dimension(
+                roller, roller + length, below, f"carrier {trimmed(length)}", inner
+            )
+        words.append(f"carrier {trimmed(length)}, ⌀{trimmed(2 * inner)} to ⌀{trimmed(2 * outer)}")
+    if words:
+        sheet.text(0, -sheet.paper(15.5), "; ".join(words))

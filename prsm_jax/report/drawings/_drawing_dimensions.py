@@ -42,6 +42,10 @@ class DrawingDimensions:
     roller_addendum: float
     screw_dedendum: float
     roller_dedendum: float
+    #: Half a pitch minus the thickness of a tooth at its nominal radius.
+    screw_thinning: float
+    roller_thinning: float
+    nut_thinning: float
     bore_radius: float | None
     roller_bore_radius: float | None
     nut_outer_radius: float | None
@@ -119,6 +123,16 @@ def _heights(stage: Stage) -> tuple[float, float, float, float]:
     return screw, roller, min(roller + clearance, pointed), min(screw + clearance, pointed)
 
 
+def _thinnings(stage: Stage) -> tuple[float, float, float]:
+    """Thinning of the teeth of screw, roller and nut [mm]; 0 where it is not given."""
+    play = None if stage.strength is None else stage.strength.play
+    if play is None:
+        return 0.0, 0.0, 0.0
+    values = (play.screw_tooth_thinning, play.roller_tooth_thinning, play.nut_tooth_thinning)
+    screw, roller, nut = (_millimetres(value) or 0.0 for value in values)
+    return screw, roller, nut
+
+
 def roller_places(stage: Stage) -> list[tuple[float, bool]]:
     """Angle of every place of a roller, and whether it has one."""
     unequal = {roller.number: roller for roller in stage.unequal_roller}
@@ -156,6 +170,7 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
 
     nut_radius, centre = 1e3 * float(thread.nut_radius), 1e3 * float(thread.centre_distance)
     screw_addendum, roller_addendum, screw_dedendum, roller_dedendum = _heights(chosen)
+    screw_thinning, roller_thinning, nut_thinning = _thinnings(chosen)
     wall = _millimetres(chosen.nut.wall_thickness)
     rim = None if ring is None else _millimetres(ring.wall_thickness)
     width = None if carrier is None else _millimetres(carrier.radial_width)
@@ -177,6 +192,9 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
         roller_addendum=roller_addendum,
         screw_dedendum=screw_dedendum,
         roller_dedendum=roller_dedendum,
+        screw_thinning=screw_thinning,
+        roller_thinning=roller_thinning,
+        nut_thinning=nut_thinning,
         bore_radius=_millimetres(chosen.screw.bore_radius),
         roller_bore_radius=_millimetres(chosen.roller.bore_radius),
         nut_outer_radius=None if wall is None else nut_radius + wall,

@@ -9,11 +9,14 @@ from .._style import BODY_COLOURS, INK, SMALL
 from ._drafting import Sheet
 from ._drawing_dimensions import DrawingDimensions
 from ._thread_profile import (
+    nut_half_thickness,
     nut_profile,
+    nut_shift,
     roller_half_thickness,
     roller_profile,
+    screw_half_thickness,
     screw_profile,
-    straight_half_thickness,
+    screw_shift,
     tooth_centres,
 )
 
@@ -32,7 +35,10 @@ def paper_height(dims: DrawingDimensions, scale: float) -> float:
 
 
 def draw_thread_detail(sheet: Sheet, dims: DrawingDimensions) -> None:
-    """Draw the threads in the plane of both axes, and dimension pitch, flank angle and arc."""
+    """Draw the threads in the plane of both axes, and dimension pitch, flank angle and arc.
+
+    Teeth are as thin as the file says; their loaded flanks touch, and the play is at the others.
+    """
     left, right = sheet.axes.get_xlim()
     reach = right + dims.pitch
     between = {
@@ -40,10 +46,10 @@ def draw_thread_detail(sheet: Sheet, dims: DrawingDimensions) -> None:
         for shifted in (False, True)
     }
     low, high = sheet.axes.get_ylim()
-    screw = screw_profile(dims, between[True])
+    screw = screw_profile(dims, between[True] + screw_shift(dims))
     outside = between[dims.shifted_at_nut]
     upper, lower = roller_profile(dims, outside, 1), roller_profile(dims, between[False], -1)
-    nut = nut_profile(dims, between[not dims.shifted_at_nut])
+    nut = nut_profile(dims, between[not dims.shifted_at_nut] + nut_shift(dims))
     axes = sheet.axes
     axes.fill_between(*screw, low, facecolor=BODY_COLOURS["screw"], linewidth=0)
     axes.fill_between(*nut, high, facecolor=BODY_COLOURS["nut"], linewidth=0)
@@ -79,13 +85,13 @@ def _contact_marks(sheet: Sheet, dims: DrawingDimensions, between) -> None:
     left, right = sheet.axes.get_xlim()
     if dims.nut_contact is not None:
         inwards = dims.nut_radius - dims.nut_contact.x
-        xs = between[dims.shifted_at_nut] - dims.pitch / 2
-        xs = xs + straight_half_thickness(dims, inwards)
+        xs = between[dims.shifted_at_nut] - dims.pitch / 2 + nut_shift(dims)
+        xs = xs + nut_half_thickness(dims, inwards)
         xs = xs[(xs > left) & (xs < right)]
         sheet.axes.plot(xs, np.full_like(xs, dims.nut_contact.x), mfc="#0072b2", **style)
     if dims.screw_contact is not None:
         height = dims.screw_contact.x - dims.screw_radius
-        xs = between[True] - straight_half_thickness(dims, height)
+        xs = between[True] + screw_shift(dims) - screw_half_thickness(dims, height)
         xs = xs[(xs > left) & (xs < right)]
         sheet.axes.plot(xs, np.full_like(xs, dims.screw_contact.x), mfc="#d55e00", **style)
 
@@ -104,7 +110,8 @@ def _flank_angle(sheet: Sheet, dims: DrawingDimensions) -> None:
 
     angle = dims.flank_angle
     centre = dims.pitch * (round(-0.25 * sheet.axes.get_xlim()[1] / dims.pitch) + 0.5)
-    x, y = centre + dims.pitch / 4, dims.screw_radius
+    x = centre + screw_shift(dims) + float(screw_half_thickness(dims, 0.0))
+    y = dims.screw_radius
     length = sheet.paper(7.5)
     direction = math.atan2(-math.cos(angle), math.sin(angle))
     for end_x, end_y in ((0.0, -1.0), (math.cos(direction), math.sin(direction))):

@@ -10,17 +10,22 @@ from ._drawing_dimensions import DrawingDimensions
 _SAMPLES = 12
 
 
-def straight_half_thickness(dims: DrawingDimensions, height):
-    """Half the thickness of a screw or nut tooth at a height above the nominal radius [mm]."""
-    return dims.pitch / 4 - height * math.tan(dims.flank_angle)
+def screw_half_thickness(dims: DrawingDimensions, height):
+    """Half the thickness of a screw tooth at a height above the nominal radius [mm]."""
+    return dims.pitch / 4 - dims.screw_thinning / 2 - height * math.tan(dims.flank_angle)
+
+
+def nut_half_thickness(dims: DrawingDimensions, height):
+    """Half the thickness of a nut tooth at a height inside the nominal radius [mm]."""
+    return dims.pitch / 4 - dims.nut_thinning / 2 - height * math.tan(dims.flank_angle)
 
 
 def roller_half_thickness(dims: DrawingDimensions, height):
-    """Half the thickness of a roller tooth: two convex arcs through p/2 at the nominal radius."""
+    """Half the thickness of a roller tooth: two convex arcs; p/2 thick less the thinning."""
     radius, angle = dims.profile_radius, dims.flank_angle
     square = radius**2 - (height + radius * math.sin(angle)) ** 2
     arc = np.sqrt(np.maximum(square, 0.0))
-    return dims.pitch / 4 + arc - radius * math.cos(angle)
+    return dims.pitch / 4 - dims.roller_thinning / 2 + arc - radius * math.cos(angle)
 
 
 def thread_profile(half_thickness, addendum: float, dedendum: float, centres):
@@ -44,7 +49,7 @@ def thread_profile(half_thickness, addendum: float, dedendum: float, centres):
 
 def screw_profile(dims: DrawingDimensions, centres):
     """Outline of the screw's thread: axial position and radius [mm]."""
-    half = functools.partial(straight_half_thickness, dims)
+    half = functools.partial(screw_half_thickness, dims)
     along, height = thread_profile(half, dims.screw_addendum, dims.screw_dedendum, centres)
     return along, dims.screw_radius + height
 
@@ -58,13 +63,23 @@ def roller_profile(dims: DrawingDimensions, centres, side: int):
 
 def nut_profile(dims: DrawingDimensions, centres):
     """Outline of the nut's thread, which points inwards: axial position and radius [mm]."""
-    half = functools.partial(straight_half_thickness, dims)
+    half = functools.partial(nut_half_thickness, dims)
     along, height = thread_profile(half, dims.screw_addendum, dims.roller_addendum, centres)
     return along, dims.nut_radius - height
 
 
+def screw_shift(dims: DrawingDimensions) -> float:
+    """How far the screw is drawn from the middle, so that its loaded flanks touch [mm]."""
+    return -(dims.screw_thinning + dims.roller_thinning) / 2
+
+
+def nut_shift(dims: DrawingDimensions) -> float:
+    """How far the nut is drawn from the middle, so that its loaded flanks touch [mm]."""
+    return (dims.nut_thinning + dims.roller_thinning) / 2
+
+
 def tooth_centres(dims: DrawingDimensions, start: float, end: float, shifted: bool):
-    """Axial positions of whole teeth between two ends [mm].
+    """Axial positions of whole teeth between two ends, without `screw_shift`, `nut_shift` [mm].
 
     The teeth of the roller's single thread towards the nut are half a pitch (`shifted`) from those
     towards the screw; the screw's teeth lie in the gaps of the latter, the nut's in the gaps of the

@@ -3,8 +3,12 @@
 from ._efficiency import efficiency_text as efficiency_text, share_text as share_text
 from ._force_orbit import force_orbit as force_orbit
 from ._history_chart import (
+    History as History,
+    histories as histories,
     history_chart as history_chart,
     integrated as integrated,
+    is_constant as is_constant,
+    known_efficiency as known_efficiency,
     travel_of as travel_of,
 )
 from ._loss_chart import loss_chart as loss_chart

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...dynamics import BodyForces, Transient, body_forces
 from ...mechanism import Mechanism
-from ...text import display_unit, in_unit
+from ...text import display_unit, in_unit, number
 from .._parts import legend_below
 from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 
@@ -22,7 +22,11 @@ _OTHERS = (
     ("pin_on_roller", "carrier pins, both ends", 2, 1),
 )
 _WAYS = ("radial", "tangential", "axial")
-_ROW, _EXTRA = 68.0, 22.0
+_ROW, _EXTRA = 68.0, 28.0
+_READING = (
+    "Arrow: the force at the end; curve: the way of its tip since the start; in brackets: the "
+    "largest magnitude in the plane of the diagram."
+)
 
 
 @drawn
@@ -68,16 +72,20 @@ def _orbits(
     unit = display_unit("N", largest)
     axes.axhline(0, color=MUTED, lw=0.6)
     axes.axvline(0, color=MUTED, lw=0.6)
-    for path, (_, _, _, colour) in zip(paths, chosen, strict=True):
+    for path, (_, words, _, colour) in zip(paths, chosen, strict=True):
         x, y = unit(path).T
         style: dict[str, Any] = {"color": SERIES[colour], "zorder": 3}
-        axes.plot(x, y, lw=1.6, **style)
+        size = unit(float(np.linalg.norm(path, axis=1).max()))
+        words = f"{words} ({number(size, 3)} {unit.label})"
+        axes.plot(x, y, lw=1.6, label=words, **style)
         axes.plot(x[0], y[0], "o", ms=5, mfc="white", mew=1.2, **style)
         axes.plot(x[-1], y[-1], "o", ms=5, **style)
         arrow = {"arrowstyle": "-|>", "mutation_scale": 7, "color": SERIES[colour], "lw": 0.7}
         if math.hypot(x[-1], y[-1]) > 0.05 * unit(largest):
             arrow |= {"shrinkA": 0, "shrinkB": 3, "alpha": 0.7}
             axes.annotate("", (x[-1], y[-1]), (0, 0), arrowprops=arrow)
+    # Beside the panel's own curves: the same force has another magnitude in another plane.
+    axes.legend(loc="best", fontsize=SMALL, handlelength=1.0, frameon=True, framealpha=0.85)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.15)
     axes.set_xlabel(f"{_WAYS[plane[0]]} force in {unit.label}")
@@ -89,13 +97,10 @@ def _legend(figure: Figure, start: float, end: float) -> None:
     from matplotlib.lines import Line2D
 
     clock = display_unit("s", end)
-    handles = [
-        Line2D([], [], color=SERIES[colour], lw=1.6, label=words)
-        for _, words, _, colour in (*_NORMAL, *_OTHERS)
-    ]
     dot: dict[str, Any] = {"ls": "", "marker": "o", "ms": 5, "color": INK}
-    handles += [
+    handles = [
         Line2D([], [], mfc="white", mew=1.2, label=f"at {in_unit(start, clock, 3)}", **dot),
         Line2D([], [], label=f"at {in_unit(end, clock, 3)}", **dot),
     ]
-    legend_below(figure, handles, fontsize=SMALL, columnspacing=1.0, handlelength=1.3)
+    style: dict[str, Any] = {"fontsize": SMALL, "columnspacing": 1.0, "handlelength": 1.3}
+    legend_below(figure, handles, title=_READING, title_fontsize=SMALL, **style)

@@ -10,12 +10,21 @@ from ...dynamics import Transient, travel_per_turn
 from ...mechanism import Mechanism
 from ...text import DisplayUnit, display_unit, in_unit
 from .._parts import DASHES, legend_below, page_title
-from .._style import INK, MUTED, SERIES, Axes, Figure, drawn, page_figure
+from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 
 _STICK = "#dfe3e8"
 _ROW, _EXTRA = 33.0, 26.0
-#: Below this share of the largest power an efficiency is meaningless.
-_IDLE = 1e-3
+#: Share of an axis between curves and frame.
+_APART = 0.02
+#: Below this share of the largest power, as while the motion reverses, acceleration and not
+#: friction decides the ratio of powers.
+_IDLE = 0.02
+#: Below this share of the largest speed, as while the motion reverses, no ratio of speeds is drawn.
+_SLOW = 0.01
+#: Rounding of an efficiency of 1.
+_ROUNDING = 1e-9
+#: Said below the diagrams if ratios have gaps.
+_GAPS = "gaps in ratios: near standstill, and in the efficiency where masses store or return energy"
 
 
 def travel_of(mechanism: Mechanism, run: Transient) -> np.ndarray:
@@ -43,48 +52,60 @@ def sticking_phases(run: Transient) -> list[tuple[float, float]]:
 
 
 @dataclasses.dataclass(frozen=True)
-class _History:
-    """One diagram: curves of one quantity [SI], one for each stage or a single one."""
+class History:
+    """One diagram: curves of one quantity [SI], one for each stage or a single one.
+
+    A curve is NaN where the quantity is not defined.
+    """
 
     name: str
     curves: np.ndarray
     unit: DisplayUnit
     colour: int | None = None
-    limits: tuple[float, float] | None = None
 
 
 def _largest(curves: np.ndarray) -> float:
     return float(np.nanmax(np.abs(curves), initial=0.0))
 
 
-def _one(name: str, curve: Any, unit: str, colour: int) -> _History:
+def _one(name: str, curve: Any, unit: str, colour: int) -> History:
     curve = np.asarray(curve)
-    return _History(name, curve[None], display_unit(unit, _largest(curve)), colour)
+    return History(name, curve[None], display_unit(unit, _largest(curve)), colour)
 
 
-def _stages(name: str, curves: Any, unit: str) -> _History:
+def _stages(name: str, curves: Any, unit: str) -> History:
     curves = np.asarray(curves)
-    return _History(name, curves, display_unit(unit, _largest(curves)))
+    return History(name, curves, display_unit(unit, _largest(curves)))
 
 
 def _while_moving(run: Transient, curves: Any) -> np.ndarray:
-    """Curves that are NaN where the mechanism sticks or is at rest."""
-    return np.where(np.asarray(run.screw_speed) == 0, np.nan, np.asarray(curves))
+    """Curves that are NaN at rest and close to it, where a ratio of speeds has no meaning."""
+    speed = np.abs(np.asarray(run.screw_speed))
+    return np.where(speed > _SLOW * speed.max(), np.asarray(curves), np.nan)
 
 
-def _efficiency(mechanism: Mechanism, run: Transient) -> _History:
+def known_efficiency(mechanism: Mechanism, run: Transient) -> np.ndarray:
+    """The efficiency over time; NaN where the ratio of powers is none.
+
+    While masses are accelerated or return energy, this ratio leaves the range from 0 to 1, and
+    close to standstill it is a quotient of two small powers.
+    """
     travel = float(travel_per_turn(mechanism.stages, len(mechanism.stages)))
-    speed = np.asarray(run.screw_speed)
+    speed, share = np.asarray(run.screw_speed), np.asarray(run.efficiency)
     power = np.maximum(
         np.abs(np.asarray(run.drive_torque) * speed), np.abs(np.asarray(run.load) * speed * travel)
     )
-    share = np.where(power > _IDLE * max(power.max(), 1e-300), np.asarray(run.efficiency), np.nan)
-    unit = DisplayUnit("%", 100.0)
-    # While masses are accelerated or return energy, the ratio of powers leaves these limits.
-    return _History("efficiency", share[None], unit, 0, (-5.0, 105.0))
+    known = (power > _IDLE * max(power.max(), 1e-300)) & (share >= 0) & (share <= 1 + _ROUNDING)
+    return np.where(known, share, np.nan)
 
 
-def _histories(mechanism: Mechanism, run: Transient) -> list[_History]:
+def _efficiency(mechanism: Mechanism, run: Transient) -> History:
+    share = known_efficiency(mechanism, run)
+    return History("efficiency", share[None], DisplayUnit("%", 100.0), 0)
+
+
+def histories(mechanism: Mechanism, run: Transient) -> list[History]:
+    """All histories of a transient; the first four are those of motion and demand."""
     return [
         _one("screw speed", run.screw_speed, "rad/s", 0),
         _one("drive torque", run.drive_torque, "N·m", 3),
@@ -99,7 +120,8 @@ def _histories(mechanism: Mechanism, run: Transient) -> list[_History]:
     ]
 
 
-def _is_constant(history: _History) -> bool:
+def is_constant(history: History) -> bool:
+    """Whether all curves keep one value."""
     known = [curve[np.isfinite(curve)] for curve in history.curves]
     spread = max([float(np.ptp(curve)) for curve in known if len(curve)], default=0.0)
     return spread <= 1e-9 * _largest(history.curves)
@@ -122,32 +144,37 @@ def history_chart(mechanism: Mechanism, run: Transient) -> Figure:
 
     **Raises:** `MissingExtraError` without matplotlib.
     """
-    every = _histories(mechanism, run)
-    shown = [one for one in every if not _is_constant(one)]
-    fixed = [one for one in every[:4] if _is_constant(one)]
+    every = histories(mechanism, run)
+    shown = [one for one in every if not is_constant(one)]
+    fixed = [one for one in every[:4] if is_constant(one)]
     rows = (len(shown) + 1) // 2
     figure = page_figure(_ROW * rows + _EXTRA)
-    grid = figure.subplots(rows, 2, sharex=True, squeeze=False)
+    grid = figure.add_gridspec(rows, 2)
+    # The last of an odd number of diagrams has the whole width.
+    places = [grid[i // 2, i % 2] for i in range(len(shown))]
+    if len(shown) % 2:
+        places[-1] = grid[-1, :]
     clock = display_unit("s", float(run.time[-1]))
     time = clock(np.asarray(run.time))
     phases = sticking_phases(run)
-    for axes, history in zip(grid.ravel(), shown, strict=False):
+    lowest = set(range(len(shown))[-2:]) | ({len(shown) - 3} if len(shown) % 2 else set())
+    for place, (at, history) in enumerate(zip(places, shown, strict=True)):
+        axes = figure.add_subplot(at, sharex=figure.axes[0] if figure.axes else None)
         _draw(axes, history, time)
         shade(axes, phases, clock)
-        axes.set_xlim(0, time[-1])
-    for axes in grid.ravel()[len(shown) :]:
-        axes.set_visible(False)
-    # The lowest diagram of each column has the time, also above an empty place.
-    for axes in (grid[-1, 0], grid[-1 if len(shown) % 2 == 0 else -2, 1]):
-        axes.set_xlabel(f"time in {clock.label}")
-        axes.tick_params(axis="x", labelbottom=True)
+        # Apart from the frame, on which a curve would not be seen.
+        axes.set_xlim(-_APART * time[-1], (1 + _APART) * time[-1])
+        axes.tick_params(axis="x", labelbottom=place in lowest)
+        if place in lowest:
+            axes.set_xlabel(f"time in {clock.label}")
+    gaps = any(np.isnan(one.curves).any() for one in shown)
     _head(figure, fixed)
-    _legend(figure, np.asarray(run.carrier_ratio).shape[0], bool(phases))
+    _legend(figure, np.asarray(run.carrier_ratio).shape[0], bool(phases), _GAPS if gaps else "")
     figure.align_ylabels()
     return figure
 
 
-def _draw(axes: Axes, history: _History, time: np.ndarray) -> None:
+def _draw(axes: Axes, history: History, time: np.ndarray) -> None:
     unit = history.unit
     several = len(history.curves) > 1
     for stage, curve in enumerate(history.curves):
@@ -159,10 +186,11 @@ def _draw(axes: Axes, history: _History, time: np.ndarray) -> None:
     axes.set_title(history.name)
     axes.set_ylabel(f"in {unit.label}" if unit.label else "")
     axes.grid(True)
-    if history.limits is not None:
-        axes.set_ylim(*history.limits)
-    elif np.nanmin(history.curves) >= 0:
-        axes.set_ylim(bottom=0)
+    known = history.curves[np.isfinite(history.curves)]
+    if known.size and known.min() >= 0:
+        axes.set_ylim(-_APART * 2 * unit(known.max()), (1 + 4 * _APART) * unit(known.max()))
+    else:
+        axes.margins(y=0.08)
 
 
 def shade(axes: Axes, phases: Iterable[tuple[float, float]], clock: DisplayUnit) -> None:
@@ -171,13 +199,13 @@ def shade(axes: Axes, phases: Iterable[tuple[float, float]], clock: DisplayUnit)
         axes.axvspan(clock(start), clock(end), color=_STICK, lw=0, zorder=0)
 
 
-def _head(figure: Figure, fixed: list[_History]) -> None:
+def _head(figure: Figure, fixed: list[History]) -> None:
     words = [f"{one.name} {in_unit(one.curves[0, 0], one.unit)}" for one in fixed]
     heading = "Time histories" + (f": {', '.join(words)}" if words else "")
     page_title(figure, heading)
 
 
-def _legend(figure: Figure, stages: int, sticks: bool) -> None:
+def _legend(figure: Figure, stages: int, sticks: bool, note: str) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -188,4 +216,7 @@ def _legend(figure: Figure, stages: int, sticks: bool) -> None:
             handles.append(Line2D([], [], lw=1.2, label=f"stage {stage + 1}", **style))
     if sticks:
         handles.append(Patch(facecolor=_STICK, edgecolor=MUTED, lw=0.4, label="sticks"))
-    legend_below(figure, handles, len(handles))
+    if handles:
+        legend_below(figure, handles, len(handles), title=note, title_fontsize=SMALL)
+    elif note:
+        figure.supxlabel(note, fontsize=SMALL)

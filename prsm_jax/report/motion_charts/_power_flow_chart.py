@@ -24,10 +24,12 @@ _WORDS = {
     (BRISTLES, True): "from bristles",
     (BRISTLES, False): "into bristles",
 }
+#: Hatch of sources in a history.
+_SOURCE = "\\\\\\"
 #: Height of the total flow, and least distance between two labels [mm].
 _TALL, _LINE = 46.0, 8.4
 #: Along the page [mm]: words, blocks and trunk from the left.
-_LEFT, _BLOCK, _TRUNK, _RIGHT = 38.0, 3.0, (60.0, 96.0), 136.0
+_LEFT, _BLOCK, _TRUNK, _RIGHT = 31.0, 3.0, (54.0, 106.0), 146.0
 
 
 def _style(name: str, index: int) -> dict[str, Any]:
@@ -177,7 +179,7 @@ def _band(
 
 @drawn
 def power_history_chart(mechanism: Mechanism, run: Transient) -> Figure:
-    """Draw stacked powers over time: sinks above zero, sources below zero.
+    """Draw stacked powers over time: sinks above zero, sources below zero and hatched.
 
     Both halves have the same height at every instant; that is the power balance.
 
@@ -215,8 +217,12 @@ def power_history_chart(mechanism: Mechanism, run: Transient) -> Figure:
             if not float(part.max()) > 1e-9 * size:
                 continue
             top = base + sign * unit(part)
+            style = _style(name, index)
+            if sign < 0:
+                # A source has another look than the sink of the same name.
+                style |= {"hatch": _SOURCE, "edgecolor": "white"}
             drawn_area = axes.fill_between(
-                time, base, top, lw=0.3, **_style(name, index), label=_label(name, sign < 0)
+                time, base, top, lw=0.3, **style, label=_label(name, sign < 0)
             )
             handles[_label(name, sign < 0)] = drawn_area
             base = top
@@ -224,7 +230,7 @@ def power_history_chart(mechanism: Mechanism, run: Transient) -> Figure:
     axes.set_xlim(0, time[-1])
     axes.set_xlabel(f"time in {clock.label}")
     axes.set_ylabel(f"power in {unit.label}")
-    axes.set_title("Power: sinks (above zero) and sources (below)")
+    axes.set_title("Power: sinks (above zero) and sources (below, hatched)")
     axes.grid(True)
     legend_below(figure, list(handles.values()), 5, labelcolor=MUTED)
     return figure

@@ -22,6 +22,7 @@ _REACHES = (4.0, 9.0, 14.0, 20.0, 27.0)
 _TURNS = tuple(np.radians([90, 270, 135, 45, 225, 315, 180, 0, 110, 70, 250, 290]))
 #: Number of lines whose names fit beside the chart.
 _NAMED = 36
+_OPERATING = "#e6edf4"
 #: Line styles of the harmonics, in turn.
 _DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)))
 
@@ -47,7 +48,9 @@ def _in_words(crossing: Crossing) -> str:
 
 
 @drawn
-def campbell_chart(campbell: Campbell, max_speed: float) -> Figure:
+def campbell_chart(
+    campbell: Campbell, max_speed: float, operating: tuple[float, float] | None = None
+) -> Figure:
     """Draw natural frequencies and excitation orders against the screw speed, crossings marked.
 
     Both axes are logarithmic, because orders differ by a factor of a hundred: order lines are then
@@ -60,6 +63,8 @@ def campbell_chart(campbell: Campbell, max_speed: float) -> Figure:
 
     - `campbell`: from `prsm_jax.campbell`.
     - `max_speed`: the end of the speed axis [rad/s].
+    - `operating`: lowest and highest speed of operation, which are shaded [rad/s]; two equal
+      numbers are a line.
 
     **Returns:** a matplotlib figure; speed in rpm, frequency in Hz.
 
@@ -95,6 +100,8 @@ def campbell_chart(campbell: Campbell, max_speed: float) -> Figure:
     lines = sorted((harmonic * rates[name] * rpm, name, harmonic) for name, harmonic in met)
     lowest = min(one.frequency for one in crossings)
     axes.set_ylim(lowest / 1.6, 1.15 * max(lines[-1][0], max(c.frequency for c in crossings)))
+    if operating is not None:
+        _shade(axes, operating)
     _draw_orders(axes, lines, {(one.order, one.harmonic) for one in excited}, rpm)
     labels = _draw_frequencies(axes, campbell)
     for one in crossings:
@@ -115,10 +122,21 @@ def campbell_chart(campbell: Campbell, max_speed: float) -> Figure:
     for axis in (axes.xaxis, axes.yaxis):
         plain_ticks(axis, "{:,.0f}")
     axes.set_title("Campbell diagram")
-    _legend(axes, campbell)
+    _legend(axes, campbell, operating is not None)
     if listed:
         _list(figure, listed, len(excited) - len(listed), below)
     return figure
+
+
+def _shade(axes, operating: tuple[float, float]) -> None:
+    """Shade the speeds of operation, as far as they lie on the axis."""
+    low, high = (speed * 30 / np.pi for speed in operating)
+    left, right = axes.get_xlim()
+    low, high = max(low, left), min(high, right)
+    if low > high:
+        return
+    # The edge shows a range that is narrower than a line.
+    axes.axvspan(low, high, facecolor=_OPERATING, edgecolor=_OPERATING, lw=1.5, zorder=0)
 
 
 def _draw_orders(axes, lines, excited: set[Any], rpm: float) -> None:
@@ -241,13 +259,14 @@ def _outside(axes, box) -> list[Any]:
     return [] if inside else [box]
 
 
-def _legend(axes, campbell: Campbell) -> None:
+def _legend(axes, campbell: Campbell, shaded: bool) -> None:
     from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
 
     bottom, top = axes.get_ylim()
     values = np.asarray(campbell.modes.frequencies)
     shown = {f for f, v in zip(campbell.modes.families, values, strict=True) if bottom < v < top}
-    handles = [
+    handles: list[Any] = [
         Line2D([], [], color=colour, lw=1.4, label=family)
         for family, colour in FAMILY_COLOURS.items()
         if family in shown and family != "rigid"
@@ -256,6 +275,8 @@ def _legend(axes, campbell: Campbell) -> None:
         Line2D([], [], ls="", marker="o", ms=4.2, mec=MUTED, mfc=MUTED, label="excited"),
         Line2D([], [], ls="", marker="o", ms=2.8, mec=MUTED, mfc="white", label="cancelled"),
     ]
+    if shaded:
+        handles.append(Patch(facecolor=_OPERATING, label="in operation"))
     axes.legend(
         handles=handles,
         loc="lower right",

@@ -6,12 +6,19 @@ from typing import Any
 import numpy as np
 
 from ...response import FrequencyResponse
+from ...text import number
 from ...vibration import Modes
-from .._style import FAINT, FAMILY_COLOURS, INK, SERIES, Figure, drawn, page_figure
+from .._style import FAINT, FAMILY_COLOURS, INK, SERIES, Axes, Figure, drawn, page_figure
 
 _HEIGHT = 120.0
 #: Line styles, to distinguish several responses without colour.
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1, 1.5)))
+#: Unit of each kind on the scale on the right, and its factor from SI.
+_UNITS = {
+    "receptance": ("µm/N", 1e6),
+    "mobility": ("(mm/s)/N", 1e3),
+    "accelerance": ("(m/s²)/N", 1.0),
+}
 #: Values this far below the largest one are not shown [dB].
 _DEPTH = 180.0
 
@@ -22,7 +29,8 @@ def response_chart(
 ) -> Figure:
     """Draw the magnitude and the phase of one or several frequency responses in one chart.
 
-    Magnitude in dB re 1 SI unit (1 m/N for a receptance), phase in degrees. The frequency axis is
+    Magnitude in dB re 1 SI unit (1 m/N for a receptance), on the right in µm/N (mm/s/N for a
+    mobility, m/s²/N for an accelerance), phase in degrees. The frequency axis is
     logarithmic unless it starts at zero. Infinite values, at the poles of an undamped system, leave
     gaps.
 
@@ -68,6 +76,7 @@ def response_chart(
     upper.set_xlim(hertz.min(), hertz.max())
     bottom = max(upper.get_ylim()[0], highest - _DEPTH)
     upper.set_ylim(bottom, highest + 0.08 * (highest - bottom))
+    _in_units(upper, first.kind)
     lower.set_ylim(-190, 190)
     lower.set_yticks([-180, -90, 0, 90, 180])
     upper.set_ylabel(f"{first.kind} in dB re 1 {first.unit}")
@@ -97,6 +106,28 @@ def response_chart(
             columnspacing=1.2,
         )
     return figure
+
+
+def _in_units(axes: Axes, kind: str) -> None:
+    """A second scale on the right, in an engineer's unit."""
+    label, per_si = _UNITS[kind]
+
+    def size(decibel):
+        return per_si * 10.0 ** (np.asarray(decibel, dtype=float) / 20)
+
+    def decibel(size):
+        return 20 * np.log10(np.maximum(np.asarray(size, dtype=float), 1e-300) / per_si)
+
+    from matplotlib.ticker import NullLocator
+
+    scale = axes.secondary_yaxis("right", functions=(size, decibel))
+    low, high = (float(np.log10(size(end))) for end in axes.get_ylim())
+    powers = np.arange(np.ceil(low), np.floor(high) + 1)
+    # Every second or third decade, if there are many.
+    powers = powers[:: max(1, -(-len(powers) // 6))]
+    scale.set_yticks(10.0**powers, [number(10.0**p, 1) for p in powers])
+    scale.yaxis.set_minor_locator(NullLocator())
+    scale.set_ylabel(f"{kind} in {label}")
 
 
 def _without_jumps(angle: np.ndarray) -> np.ndarray:

@@ -1,5 +1,7 @@
 """Pictures of contacts: every curve, map, mark and number read back in SI."""
 
+import math
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -22,7 +24,7 @@ from prsm_jax.report import (
     subsurface_chart,
     thread_load_chart,
 )
-from prsm_jax.report.contact_charts import _subsurface_chart
+from prsm_jax.report.contact_charts import FlankLine, _subsurface_chart
 from prsm_jax.validation import PressureFigure, PressurePanel, PrintedEllipse, PrintedPressure
 from tests.present import present
 
@@ -175,6 +177,44 @@ def test_profiles():
         chart.curve(axes, cells, place, np.where(cut > 0, cut, np.nan), ("m", "Pa"))
     assert handles(chart.figure) == ["cut, Hertz", "cut, true flanks"]
     chart.finish()
+
+
+def test_crests_and_roots_beside_the_ellipses():
+    """A line at its distance, at right angles to a direction in which the ellipse is as long."""
+    pair = scenes.contact_pair()
+    screw, nut = (getattr(pair, side).hertz for side in ("screw", "nut"))
+    major, minor = float(screw.semi_major), float(screw.semi_minor)
+    long = float(nut.semi_major)
+    # At 30 degrees to the major axis, by the ellipse's own equation.
+    half = math.hypot(major * math.cos(math.pi / 6), minor * math.sin(math.pi / 6))
+    lines = (
+        FlankLine("screw", "crest of the screw", 0.9 * half, half, False),
+        FlankLine("nut", "crest of the nut", 0.8 * long, long, True),
+        FlankLine("nut", "root of the roller", 90 * long, long, True),
+    )
+    chart = Chart(contact_ellipses({"x": pair}, None, {"x": lines}))
+    left, right = (a for a in chart.axes if a.get_label() != "<colorbar>")
+    drawn = [line for axes in (left, right) for line in axes.lines if len(x_data(line)) == 2]
+    drawn = [line for line in drawn if line.get_color() in ("#d55e00", "#009e73", "#0072b2")]
+    # The third lies outside of the picture.
+    assert len(drawn) == 2
+    for line, wanted, angle, sign in zip(drawn, lines, (math.pi / 6, 0), (-1, 1), strict=False):
+        axes = left if wanted.side == "screw" else right
+        x, y = (chart.si(axes, way, line.get_data()[k], "m") for k, way in enumerate("xy"))
+        normal = sign * np.array([math.cos(angle), math.sin(angle)])
+        np.testing.assert_allclose(normal[0] * x + normal[1] * y, wanted.distance, rtol=1e-9)
+    assert handles(chart.figure) == ["crest of the screw", "crest of the nut"]
+
+
+def test_the_hardness_depth_is_drawn_where_it_is():
+    chart = Chart(stress_section(scenes.subsurface(), hardness_depth=5e-5))
+    axes = chart.axes[0]
+    (line,) = [one for one in axes.lines if one.get_label() == "hardness depth"]
+    np.testing.assert_allclose(chart.si(axes, "y", line.get_ydata(), "m"), 5e-5)
+    words = chart.text("x in")
+    assert_reads(words.rpartition("hardness depth")[2], (5e-5, "m"))
+    with pytest.raises(ValueError, match="above 0"):
+        stress_section(scenes.subsurface(), hardness_depth=0.0)
 
 
 @reads("chart", "stress_section")

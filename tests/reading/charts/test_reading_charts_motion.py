@@ -96,9 +96,18 @@ def _expected_histories(mechanism, run):
         "drive torque": [run.drive_torque],
         "travel of the last nut": [travel],
         "load": [run.load],
-        "carrier ratio ω/Ω": list(np.where(speed == 0, np.nan, run.carrier_ratio)),
+        "carrier ratio ω/Ω": list(
+            np.where(np.abs(speed) <= 0.01 * np.abs(speed).max(), np.nan, run.carrier_ratio)
+        ),
         "contact force on a roller": list(run.contact_force),
-        "efficiency": [np.where(power > 1e-3 * power.max(), run.efficiency, np.nan)],
+        # Where it is one: not near standstill, and within 0 and 1.
+        "efficiency": [
+            np.where(
+                (power > 0.02 * power.max()) & (run.efficiency >= 0) & (run.efficiency <= 1),
+                run.efficiency,
+                np.nan,
+            )
+        ],
         "ring gear on roller": list(run.ring_gear_force),
         "spline friction": list(run.spline_friction),
         "carrier on roller": list(run.carrier_force),
@@ -118,6 +127,15 @@ def test_histories(mechanism, to_and_fro):
         for curve in expected[name]:
             chart.curve(axes, chart.lines(axes)[0], run.time, curve, ("s", _HISTORIES[name]))
         _shaded(chart, axes, [(6e-4, 9e-4)] if to_and_fro else [])
+        # No curve lies on the frame.
+        for way, ends in (("x", axes.get_xlim()), ("y", axes.get_ylim())):
+            inside = [getattr(line, f"get_{way}data")() for line in axes.lines]
+            low, high = np.nanmin(inside), np.nanmax(inside)
+            apart = 0.01 * (ends[1] - ends[0])
+            assert ends[0] + apart < low <= high < ends[1] - apart
+    # The last of an odd number has the whole width.
+    widths = [axes.get_position().width for axes in chart.axes]
+    assert (widths[-1] > 1.8 * widths[0]) == (len(widths) % 2 == 1)
     heading = chart.text("Time histories")
     assert_reads(heading, *((100.0, "rad/s"), (7e3, "N")) if constant else ())
     sticks = ["sticks"] if to_and_fro else []
@@ -146,14 +164,17 @@ def test_force_orbits(mechanism):
         for force in right if others else left:
             x, y = np.asarray(force)[stage][:, plane].T
             path, start, end = chart.lines(axes)[:3]
+            words = chart.text(str(path.get_label()).partition(" (")[0], place=axes)
+            size = np.hypot(x, y).max()
+            assert_reads(words.rpartition("(")[2], (size, "N"))
             chart.curve(axes, path, x, y, ("N", "N"))
             chart.curve(axes, start, x[0], y[0], ("N", "N"))
             chart.curve(axes, end, x[-1], y[-1], ("N", "N"))
             assert start.get_markerfacecolor() == "white"
         assert axes.get_title("left").endswith(f"stage {stage + 1}")
         chart.text("", within=f"stage {stage + 1}", place=axes)
-    words = handles(chart.figure)
-    assert words[:5] == [
+    names = [words.partition(" (")[0] for words in handles(chart.figure)[2:7]]
+    assert names == [
         "screw, normal", "nut", "screw, friction", "ring gear, both ends", "carrier pins, both ends"
     ]  # fmt: skip
     chart.says("at ", (0.0, "s"))

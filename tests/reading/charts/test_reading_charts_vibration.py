@@ -1,5 +1,6 @@
 """Pictures of vibration: frequencies, orders, responses and shapes read back in SI."""
 
+import dataclasses
 import re
 from typing import Any
 
@@ -11,7 +12,7 @@ import scenes
 from expectations import reads
 from reading_artists import box_of, x_data, y_data
 from reading_figures import Chart, handles
-from reading_units import assert_reads, numbers
+from reading_units import assert_reads, numbers, parse, to_si
 
 import prsm_jax as prsm
 from prsm_jax.report import (
@@ -133,7 +134,39 @@ def test_responses():
         for legend in (upper.get_legend(), *upper.artists)
         for text in legend.texts  # pyright: ignore[reportAttributeAccessIssue]
     }
+    # The scale on the right, in mm/s for each newton, beside decibels re 1 m/s for each.
+    (right,) = upper.child_axes
+    assert right.get_ylabel() == "mobility in (mm/s)/N"
+    ends = 1e3 * 10 ** (np.asarray(upper.get_ylim()) / 20)
+    np.testing.assert_allclose(right.get_ylim(), ends)
+    for place, label in zip(right.get_yticks(), right.get_yticklabels(), strict=True):
+        assert parse(label.get_text())[0] == pytest.approx(place)
+        chart.text(label.get_text(), place=upper)
     chart.finish()
+
+
+@pytest.mark.parametrize(
+    ("kind", "label", "per_si"),
+    [("receptance", "µm/N", 1e6), ("accelerance", "(m/s²)/N", 1.0)],
+)
+def test_responses_in_the_units_of_an_engineer(kind, label, per_si):
+    response = dataclasses.replace(_response(), kind=kind)
+    upper, _ = response_chart({"x": response}).axes
+    (right,) = upper.child_axes
+    assert right.get_ylabel() == f"{kind} in {label}"
+    ends = per_si * 10 ** (np.asarray(upper.get_ylim()) / 20)
+    np.testing.assert_allclose(right.get_ylim(), ends)
+
+
+def test_speeds_of_operation_are_shaded(campbell):
+    """As far as they are on the axis; beyond it nothing is."""
+    axes = campbell_chart(campbell, 628.0, (31.4, 251.3)).axes[0]
+    (shade,) = axes.patches
+    found = to_si([shade.get_x(), shade.get_x() + shade.get_width()], "rpm")
+    low = to_si(axes.get_xlim()[0], "rpm")
+    np.testing.assert_allclose(found, [max(31.4, low), 251.3])
+    assert "in operation" in [text.get_text() for text in axes.get_legend().get_texts()]
+    assert not campbell_chart(campbell, 628.0, (700.0, 800.0)).axes[0].patches
 
 
 @pytest.fixture(scope="module")

@@ -49,7 +49,8 @@ def test_pictures_of_contacts(monkeypatch):
         "thread-loads": "thread_load_chart",
         "force-deflection": "force_deflection_chart",
     }
-    pairs, pressures = drawn["contact-ellipses"][1]
+    pairs, pressures, lines = drawn["contact-ellipses"][1]
+    assert list(lines) == [title]
     assert pairs == {title: pair}
     # What they are where a flank ends, `test_reading_cut_ellipses` reads.
     assert list(pressures) == [title]

@@ -661,6 +661,9 @@ def test_demo(monkeypatch, tmp_path, capsys, feasible):
     assert cli.main(["demo", "--out", str(tmp_path / "new")]) == int(not feasible)
     assert ("optimised.toml" in written["files"]) == feasible
     found = without_words(json.loads(written["files"]["results.json"]))
+    assert found.pop("status") == {"start": "pass", "optimum": "pass"}
+    assert set(found.pop("checks")) == {"start", "optimum"}
+    assert found.pop("sha256") == written["origin"].sha256
     assert set(found) == {"before", "after", "sensitivity", "optimise"}
     for name, one in (("before", before), ("after", after)):
         assert set(found[name]) == {"contact", "modal", "steady", "simulate"}

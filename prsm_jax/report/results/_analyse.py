@@ -1,7 +1,7 @@
-"""Data of a report: one analysis, every part of it optional."""
+"""The analysis behind a report: every part that a mechanism has the data for."""
 
+import dataclasses
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import equinox as eqx
@@ -11,89 +11,31 @@ from jaxtyping import Array
 from ..._errors import MissingDataError, PrsmError
 from ...contact import StageContact, load_of, stage_contact
 from ...dynamics import SteadyState, Transient, simulate, steady_state
-from ...findings import check
-from ...geometry import Finding, Meshing, mesh
+from ...findings import (
+    CheckNumbers,
+    StrengthCheck,
+    check_from,
+    margin_numbers,
+    strength_checks_from,
+)
+from ...geometry import Meshing, mesh
 from ...load_sharing import ForceDeflection, LoadDistribution
 from ...mechanism import Mechanism, find_parameters
 from ...quantities import Analysis, available_quantities, evaluate, truncated_fatigue_of
-from ...strength import SideOnset, TruncatedFatigue, side_onsets
-from ...text import short_heading, short_label
+from ...strength import TruncatedFatigue, side_onsets
+from ...text import short_heading
 from ...vibration import Modes, modal
-from ..contact_charts import shared_loads
+from ..contact_charts import FlankLine, flank_lines, shared_loads
 from ..design_charts import Optimisation
-from ._section import words_of_fault
+from ._data import ReportData, SideOnsets
+from ._origin import Origin
+from ._pressures import largest_pressure, largest_shared_pressure
 
-#: On the screw and on the nut side; `None` for a side whose flanks do not end.
-SideOnsets: TypeAlias = tuple[SideOnset | None, SideOnset | None]
 
-
-@dataclass(frozen=True)
-class ReportData:
-    """Results to report; a part that is `None` or empty is left out.
-
-    `analyse` fills it; `dataclasses.replace` adds to it. Sequences run over the stages.
-    """
-
-    mechanism: Mechanism
-    title: str
-    #: `None` if the checks could not be made.
-    findings: tuple[Finding, ...] | None = ()
-    meshings: tuple[Meshing, ...] | None = None
-    contacts: tuple[StageContact, ...] | None = None
-    #: Where the ellipses of screw and nut side reach the ends of their flanks, by stage; empty
-    #: if all ellipses are taken to be whole.
-    onsets: tuple[SideOnsets, ...] = ()
-    modes: tuple[Modes, ...] | None = None
-    #: Steady states: operating point, screw driving, load driving the screw back.
-    steady: SteadyState | None = None
-    forward: SteadyState | None = None
-    backward: SteadyState | None = None
-    transient: Transient | None = None
-    #: Quantities of strength and life by name.
-    strength: Mapping[str, Array] | None = None
-    #: Effect of the ends of flanks on the fatigue of each stage; empty without a rating life.
-    fatigue: tuple[TruncatedFatigue | None, ...] = ()
-    #: Load distributions and force–deflection curves of stages (from 0) that model load sharing.
-    shared: Mapping[int, LoadDistribution] = field(default_factory=dict)
-    deflections: Mapping[int, ForceDeflection] = field(default_factory=dict)
-    #: Result of `sensitivity`.
-    sensitivity: Any = None
-    optimisation: Optimisation | None = None
-    #: The analysis of the optimised mechanism.
-    improved: "ReportData | None" = None
-    #: Parts that could not be analysed, with the reason.
-    left_out: tuple[tuple[str, str], ...] = ()
-    #: Parts whose analysis failed by a fault of this program, with the fault.
-    faults: tuple[tuple[str, str], ...] = ()
-    #: Where the mechanism came from (file or example), and the command that made the report.
-    source: str = ""
-    command: str = ""
-
-    @property
-    def label(self) -> str:
-        """The title as shown in pictures."""
-        return short_label(self.title)
-
-    @property
-    def feasible(self) -> bool:
-        """Whether the optimisation, if there was one, found a design that keeps all limits."""
-        return self.optimisation is None or self.optimisation.feasible
-
-    @property
-    def ends(self) -> tuple[str, str]:
-        """Names of the designs before and after; "best found" if limits are violated."""
-        return ("before", "after") if self.feasible else ("before", "best found")
-
-    def of_stage(self, index: int) -> tuple[str, str]:
-        """Suffixes of the name and caption of a picture for one of several stages (from 0)."""
-        if len(self.mechanism.stages) == 1:
-            return "", ""
-        return f"_stage_{index + 1}", f", stage {index + 1}"
-
-    @property
-    def later(self) -> str:
-        """Head of the column of the improved design."""
-        return "after the optimisation" if self.feasible else "best found"
+def words_of_fault(error: Exception) -> str:
+    """A fault of this program in one line, for a user to report."""
+    words = short_heading(str(error))
+    return f"{type(error).__name__}: {words}" if words else type(error).__name__
 
 
 # Compiled once for each structure of a mechanism: before and after an optimisation share them.
@@ -140,6 +82,17 @@ def _contacts(
     return contacts, onsets
 
 
+def _lines(
+    mechanism: Mechanism, meshings: tuple[Meshing, ...]
+) -> tuple[tuple[FlankLine, ...], ...]:
+    """Crests and roots beside the ellipses under the operating load, of every stage."""
+    load = jnp.abs(load_of(mechanism, None))
+    return tuple(
+        flank_lines(stage, load, meshing)
+        for stage, meshing in zip(mechanism.stages, meshings, strict=True)
+    )
+
+
 def analyse(
     mechanism: Mechanism,
     *,
@@ -150,6 +103,7 @@ def analyse(
     optimisation: Optimisation | None = None,
     improved: Mechanism | None = None,
     transient: bool = True,
+    origin: Origin | None = None,
 ) -> ReportData:
     """Analyse a mechanism at its operating point for a report.
 
@@ -165,6 +119,7 @@ def analyse(
     - `optimisation`: from `summarise_optimisation`, if there was one.
     - `improved`: the optimised mechanism; it is analysed as well.
     - `transient`: whether to simulate, where the operating point has a duration.
+    - `origin`: the file of the mechanism, and author, revision and date.
     """
     left_out: list[tuple[str, str]] = []
     faults: list[tuple[str, str]] = []
@@ -180,11 +135,15 @@ def analyse(
             faults.append((part, words_of_fault(error)))
         return None
 
-    findings = attempt("checks", check, mechanism)
+    numbers = attempt("checks", margin_numbers, mechanism)
+    findings = None
+    if numbers is not None:
+        findings = attempt("checks", check_from, mechanism, numbers)
     meshings = attempt("meshing", _meshings, mechanism)
     contacts, onsets = None, ()
     if meshings is not None:
         contacts, onsets = attempt("contact", _contacts, mechanism, meshings) or (None, ())
+    lines = None if contacts is None else attempt("contact", _lines, mechanism, meshings)
     modes = attempt("vibration", _all_modes, mechanism)
     steady = attempt("steady state", _steady_states, mechanism) or (None, None, None)
     history = attempt("transient", _history, mechanism) if transient else None
@@ -194,13 +153,14 @@ def analyse(
     if improved is not None:
         after = analyse(improved, title=_title_after(optimisation), transient=transient)
         faults += [(f"{part} {after.title}", words) for part, words in after.faults]
-    return ReportData(
+    data = ReportData(
         mechanism=original,
         title=short_heading(title or mechanism.title) or "Planetary roller screw mechanism",
         findings=findings,
         meshings=meshings,
         contacts=contacts,
         onsets=onsets,
+        flank_lines=lines or (),
         modes=modes,
         steady=steady[0],
         forward=steady[1],
@@ -213,11 +173,30 @@ def analyse(
         sensitivity=sensitivity,
         optimisation=optimisation,
         improved=after,
-        left_out=tuple(left_out),
-        faults=tuple(faults),
         source=source,
         command=command,
+        origin=origin or Origin(),
     )
+    checks = None
+    if numbers is not None:
+        checks = attempt("checks", _checks, data, mechanism, numbers)
+    return dataclasses.replace(data, checks=checks, left_out=tuple(left_out), faults=tuple(faults))
+
+
+def _checks(
+    data: ReportData, mechanism: Mechanism, numbers: CheckNumbers
+) -> tuple[StrengthCheck, ...]:
+    """Checks from the numbers of `check` on the mechanism and the results of this analysis."""
+    values: dict[str, Any] = dict(data.strength or {})
+    if data.contacts is not None:
+        values["max_pressure"] = largest_pressure(data)
+    if data.contacts is not None and len(data.shared) == len(data.mechanism.stages):
+        shared = (largest_shared_pressure(data, index) for index in data.shared)
+        values["max_pressure_shared"] = max(shared)
+    steady = data.steady
+    if steady is not None and steady.has_efficiency and bool(steady.valid):
+        values["efficiency"] = steady.efficiency
+    return strength_checks_from(mechanism, numbers, values)
 
 
 def _title_after(optimisation: Optimisation | None) -> str:

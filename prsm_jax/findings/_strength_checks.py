@@ -1,0 +1,218 @@
+"""Checks of strength, life, speed and play: value, limit, margin and verdict of each.
+
+Values, limits and margins are those of `check` and of the optimiser (`_margin`); quantities that
+have no limit are listed with their values.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import equinox as eqx
+import numpy as np
+
+from ..geometry import Finding
+from ..mechanism import Mechanism, of_one_known_design
+from ..quantities import Analysis, available_quantities, evaluate, find_quantity
+from ._check import CheckNumbers, margin_numbers, plain_numbers
+from ._margin import Margin, Reading, margins_of, severity_at
+
+Verdict: TypeAlias = Literal["pass", "warning", "fail", "no limit"]
+Status: TypeAlias = Literal["pass", "warning", "fail"]
+
+#: Names of the margins that are checks, in the order of the table; a quantity of `_WITHOUT_LIMIT`
+#: stands after the margin of the same kind.
+_ORDER = (
+    *("static_safety", "static_capacity", "max_pressure_shared", "max_pressure"),
+    *("rating_life", "rating_life_time", "dynamic_capacity", "buckling", "buckling_load"),
+    *("screw_speed", "critical_speed", "contact_truncation", "backlash", "axial_backlash"),
+    *("lost_motion", "false_brinelling", "jamming", "self_locking", "efficiency"),
+)
+_MARGINS = (
+    *("static_safety", "rating_life", "buckling", "screw_speed", "contact_truncation"),
+    *("backlash", "false_brinelling", "jamming", "self_locking"),
+)
+#: Quantities that are listed beside the margins.
+CHECK_VALUES = tuple(name for name in _ORDER if name not in _MARGINS)
+#: Quantities that are left out where a stage has the margin that states the same value.
+_STATED_BY = {"rating_life_time": "rating_life", "axial_backlash": "backlash"}
+_VERDICTS: dict[str, Verdict] = {"error": "fail", "warning": "warning", "note": "no limit"}
+
+
+@dataclass(frozen=True)
+class StrengthCheck:
+    """One check: a value beside its limit.
+
+    - `name`: that of the finding of `check`, or of the quantity.
+    - `stage`: number of the stage, from 1; 0 for a value of the whole mechanism.
+    - `subject`: distinguishes checks of one name and stage, such as the ends of flanks.
+    - `value`, `limit`, `unit`: in SI; the limit is `None` if there is none.
+    - `at_most`: whether the limit is an upper one.
+    - `margin`, `margin_unit`: distance from the limit, negative where it is violated; mostly
+      relative ("1"), such as 1 − load/capacity.
+    - `verdict`: `"pass"`, `"warning"`, `"fail"` or `"no limit"`.
+    """
+
+    name: str
+    stage: int
+    value: float
+    limit: float | None
+    unit: str
+    at_most: bool
+    margin: float | None
+    margin_unit: str
+    verdict: Verdict
+    subject: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything by the keys of the JSON."""
+        return dict(vars(self))
+
+
+def _of_margin(mechanism: Mechanism, margin: Margin, numbers: dict[str, float]) -> StrengthCheck:
+    """The check of an evaluated margin, against the strictest of its limits."""
+    value = numbers["value"]
+    severity, strictest = margin.strictest
+    reading = Reading(mechanism, value, numbers, severity, strictest)
+    shown, limit = (value, strictest) if margin.shown is None else margin.shown(reading)
+    unit = margin.unit if margin.shown_unit is None else margin.shown_unit
+    broken = severity_at(margin, value)
+    verdict = "pass" if broken is None else _VERDICTS[broken[0]]
+    distance: float | None = value - strictest
+    if value != value:
+        # A value that does not exist does not keep its limit.
+        verdict = "fail"
+    if verdict == "no limit":
+        limit = distance = None
+    return StrengthCheck(
+        margin.name,
+        margin.stage,
+        shown,
+        limit,
+        unit,
+        margin.at_most,
+        distance,
+        margin.unit,
+        verdict,
+        margin.subject,
+    )
+
+
+def _of_margins(
+    mechanism: Mechanism, numbers: list[dict[str, float] | None]
+) -> Iterator[StrengthCheck]:
+    """The checks of all margins; of several margins of one name and subject, the closest."""
+    closest: dict[tuple[Any, ...], StrengthCheck] = {}
+    for margin, known in zip(margins_of(mechanism), numbers, strict=True):
+        if margin.name not in _MARGINS or known is None:
+            continue
+        one = _of_margin(mechanism, margin, known)
+        key = one.name, one.stage, one.subject
+        before = closest.get(key)
+        if before is None or _rank(one) > _rank(before):
+            closest[key] = one
+    yield from closest.values()
+
+
+def _rank(check: StrengthCheck) -> tuple[int, float]:
+    """Larger for the more serious verdict, and of two equal ones for the smaller margin."""
+    severity = ("no limit", "pass", "warning", "fail").index(check.verdict)
+    margin = check.margin
+    return severity, -np.inf if margin is None or margin != margin else -margin
+
+
+def _of_values(
+    mechanism: Mechanism, values: Mapping[str, Any], stated: set[tuple[str, int]]
+) -> Iterator[StrengthCheck]:
+    for name in CHECK_VALUES:
+        if name not in values or (name == "max_pressure" and "max_pressure_shared" in values):
+            continue
+        unit, numbers = find_quantity(name).unit, np.ravel(np.asarray(values[name], dtype=float))
+        per_stage = np.ndim(values[name]) == 1
+        for index, value in enumerate(numbers):
+            stage = index + 1 if per_stage else 0
+            if (_STATED_BY.get(name, ""), stage) in stated:
+                continue
+            if name.startswith("max_pressure"):
+                yield _pressure(mechanism, name, float(value))
+            else:
+                yield StrengthCheck(
+                    name, stage, float(value), None, unit, False, None, "1", "no limit"
+                )
+
+
+def _pressure(mechanism: Mechanism, name: str, value: float) -> StrengthCheck:
+    """The largest pressure at the operating point beside the smallest permissible one."""
+    given = [
+        float(stage.strength.permissible_pressure)
+        for stage in mechanism.stages
+        if stage.strength is not None and stage.strength.permissible_pressure is not None
+    ]
+    if not given:
+        return StrengthCheck(name, 0, value, None, "Pa", True, None, "1", "no limit")
+    limit = min(given)
+    verdict: Verdict = "pass" if value <= limit else "fail"
+    return StrengthCheck(name, 0, value, limit, "Pa", True, 1 - value / limit, "1", verdict)
+
+
+def strength_checks_from(
+    mechanism: Mechanism, numbers: CheckNumbers, values: Mapping[str, Any]
+) -> tuple[StrengthCheck, ...]:
+    """As `strength_checks`, from numbers that are already computed.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism, with concrete numbers.
+    - `numbers`: the result of `check_numbers`.
+    - `values`: quantities of `CHECK_VALUES` by name, as far as known; others are ignored.
+    """
+    checks = list(_of_margins(mechanism, plain_numbers(numbers.margins)))
+    checks += _of_values(mechanism, values, {(one.name, one.stage) for one in checks})
+    # Sorting is stable: subjects stay in their order.
+    return tuple(sorted(checks, key=lambda one: (_ORDER.index(one.name), one.stage)))
+
+
+@eqx.filter_jit
+def _values(mechanism: Mechanism, names: tuple[str, ...]) -> dict[str, Any]:
+    return evaluate(Analysis(mechanism), names)
+
+
+def check_values(mechanism: Mechanism) -> dict[str, Any]:
+    """The quantities of `CHECK_VALUES` that a mechanism has the data for."""
+    return _values(mechanism, available_quantities(mechanism, CHECK_VALUES))
+
+
+@of_one_known_design
+def strength_checks(mechanism: Mechanism) -> tuple[StrengthCheck, ...]:
+    """Value, limit, margin and verdict of strength, life, speed, play and friction.
+
+    Static safety, contact pressure, rating life, buckling, screw speed, ends of contact ellipses,
+    backlash, oscillation, jamming and self-locking, each for every stage that has the data.
+    Limits and margins are those of `check` and of the optimiser: a verdict is `"fail"` where
+    `check` finds an error, and `"warning"` where it finds a warning. The limit of a contact
+    pressure is `permissible_pressure`, at the operating point; `static_safety` applies it to the
+    largest load. Quantities without a limit have the verdict `"no limit"`. Needs concrete numbers.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+
+    **Returns:** the checks; none for a mechanism without data of strength and friction.
+    """
+    values = check_values(mechanism)
+    return strength_checks_from(mechanism, margin_numbers(mechanism), values)
+
+
+def status_of(checks: Iterable[StrengthCheck], findings: Iterable[Finding] | None) -> Status:
+    """The worst verdict of checks and findings.
+
+    **Arguments:**
+
+    - `checks`: from `strength_checks`.
+    - `findings`: from `check`; `None`, where they could not be made, is a warning.
+    """
+    verdicts = {one.verdict for one in checks}
+    severities = {"warning"} if findings is None else {one.severity for one in findings}
+    if "fail" in verdicts or "error" in severities:
+        return "fail"
+    return "warning" if "warning" in verdicts or "warning" in severities else "pass"

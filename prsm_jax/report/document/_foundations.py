@@ -1,0 +1,103 @@
+"""What the numbers rest on: assumptions, parts left out, the file, and versions."""
+
+import dataclasses
+import platform
+
+from ..._version import __version__
+from ...explanation import places
+from ...quantities import assumptions, catalogue
+from ...text import printable
+from ..results import ReportData
+from ._section import Section, Table
+
+#: Packages whose versions the numbers depend on.
+_PACKAGES = ("jax", "jaxlib", "equinox", "diffrax", "optimistix", "numpy", "scipy")
+
+
+#: Quantities that sections show, by anchor; those of other sections come from the data.
+_SHOWN = {
+    "summary": ("max_pressure", "efficiency"),
+    "contact": ("max_pressure", "approach_screw", "approach_nut", "semi_major_screw"),
+    "vibration": ("natural_frequencies",),
+    "steady": ("efficiency", "carrier_ratio", "contact_force", "loss_power"),
+    "transient": ("efficiency", "carrier_ratio", "drive_torque", "contact_force"),
+}
+
+
+def _shown(section: Section, data: ReportData) -> tuple[str, ...]:
+    if section.anchor == "strength":
+        return tuple(data.strength or ())
+    if section.anchor == "sensitivity":
+        return tuple(data.sensitivity.quantities)
+    if section.anchor == "optimisation" and data.optimisation is not None:
+        optimisation = data.optimisation
+        names = [one.name for one in optimisation.quantities] + [
+            one.quantity for one in optimisation.limits
+        ]
+        return (*names, *(_SHOWN["summary"] if data.contacts is not None else ()))
+    return _SHOWN.get(section.anchor, ())
+
+
+def with_assumptions(section: Section, data: ReportData) -> Section:
+    """A section with the assumptions of the quantities that it shows, unless it has its own."""
+    if section.assumptions:
+        return section
+    known = {quantity.name for quantity in catalogue()}
+    names = [name for name in _shown(section, data) if name.partition("[")[0] in known]
+    if section.anchor == "summary" and data.contacts is None:
+        names.remove("max_pressure")
+    return dataclasses.replace(section, assumptions=assumptions(data.mechanism, names))
+
+
+def left_out_section(data: ReportData) -> Section:
+    """Assumptions behind all numbers, and optional parts that the mechanism does not have."""
+    rows = tuple(
+        (one.name, one.without, one.write)
+        for one in places(data.mechanism)
+        if not one.present and one.kind != "number"
+    )
+    tables = []
+    if rows:
+        head = ("part", "effect on the results", "to have it, write")
+        tables.append(Table("Parts that the file leaves out", head, rows))
+    if data.left_out:
+        tables.append(Table("Not analysed", ("part", "because"), tuple(data.left_out)))
+    words = ("What a file does not mention is not modelled (prsm explain).",)
+    stated = assumptions(data.mechanism)
+    title = "Assumptions and parts left out"
+    return Section("left_out", title, words, tuple(tables), assumptions=stated)
+
+
+def provenance_section(data: ReportData) -> Section:
+    """Author, revision, date and file, with its hash, and versions of the programs."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    origin = data.origin
+    blank = "…" * 12
+    signed = [
+        ("author", printable(origin.author or data.mechanism.author) or blank),
+        ("revision", printable(origin.revision or data.mechanism.revision) or blank),
+        ("date", printable(origin.date) or blank),
+        ("signature", blank),
+    ]
+    rows = []
+    if data.source:
+        rows.append(("mechanism from", data.source))
+    if origin.sha256:
+        rows.append(("SHA-256 of this file", origin.sha256))
+    rows += [("changed on the command line", one) for one in origin.settings]
+    if data.command:
+        rows.append(("command", data.command))
+    bits = "64" if data.mechanism.stages[0].thread.lead.dtype.itemsize == 8 else "32"
+    rows += [("prsm_jax", __version__), ("Python", platform.python_version())]
+    for name in _PACKAGES:
+        try:
+            rows.append((name, version(name)))
+        except PackageNotFoundError:
+            continue
+    rows.append(("numbers", f"float{bits}"))
+    tables = (
+        Table("Responsible", ("", ""), tuple(signed)),
+        Table("Made with", ("", ""), tuple(rows)),
+    )
+    return Section("provenance", "Provenance", (), tables)

@@ -1,0 +1,271 @@
+"""Status, inputs, assumptions and provenance of a report, and the verbs that print checks."""
+
+import dataclasses
+import json
+
+import pytest
+import scenes
+from expectations import reads
+from reading_tables import assert_json, assert_table, html_tables
+from reading_units import assert_reads
+
+import prsm_jax as prsm
+from prsm_jax.cli.verbs import _analyse, _demo
+from prsm_jax.findings import Finding, StrengthCheck
+from prsm_jax.report import Origin, ReportData
+from prsm_jax.report.document._sections import report_sections
+
+_CHECKS = (
+    StrengthCheck("static_safety", 1, 1.234, 1.0, "1", False, 0.1896, "1", "pass"),
+    StrengthCheck("max_pressure", 0, 4.51e9, 4.2e9, "Pa", True, -0.0738, "1", "fail"),
+    StrengthCheck("rating_life", 1, 9.123e6, 1.08e7, "s", False, -0.1553, "1", "warning"),
+    StrengthCheck("screw_speed", 1, 261.8, 301.3, "rad/s", True, 0.1311, "1", "pass"),
+    StrengthCheck("backlash", 1, 3.21e-5, 0.0, "m", False, 3.21e-5, "m", "pass"),
+    StrengthCheck("dynamic_capacity", 1, 6.543e4, None, "N", False, None, "1", "no limit"),
+)
+#: Label, and dimension of value and margin.
+_LABELS = {
+    "static_safety": "static safety",
+    "max_pressure": "contact pressure, equal sharing",
+    "rating_life": "rating life, with its factors",
+    "screw_speed": "screw speed (critical speed)",
+    "backlash": "backlash",
+    "dynamic_capacity": "dynamic capacity",
+}
+
+
+def _rows(checks):
+    for one in checks:
+        limit: tuple = ()
+        margin: tuple = ()
+        if one.limit is not None:
+            limit = ("at most " if one.at_most else "at least ", one.limit, one.unit)
+            margin = (one.margin, one.margin_unit)
+        yield _LABELS[one.name], (one.value, one.unit), limit, margin, one.verdict
+
+
+def _assert_rows(rows, checks):
+    """Cells of a table of checks, read back to SI."""
+    for cells, (label, value, limit, margin, verdict) in zip(rows, _rows(checks), strict=True):
+        assert cells[0] == label
+        assert_reads(cells[1], value)
+        if limit:
+            assert cells[2].startswith(limit[0])
+            assert_reads(cells[2].removeprefix(limit[0]), (limit[1], limit[2], "whole"))
+            assert_reads(cells[3], margin)
+        else:
+            assert not any(cells[2:4])
+        assert cells[4] == verdict
+
+
+@pytest.fixture(scope="module")
+def data():
+    mechanism = scenes.example("wu2022")
+    found = (Finding("buckling", "warning", 1, 1.2, 2.0, "too long"),)
+    origin = Origin("", "0123abcd" * 8, ("lead=12 mm",), "A. Uthor", "B", "2026-11-24")
+    return ReportData(
+        mechanism,
+        "x",
+        checks=_CHECKS,
+        findings=found,
+        source="my.toml",
+        command="prsm report my.toml",
+        left_out=(("vibration", "no masses"),),
+        origin=origin,
+    )
+
+
+@pytest.fixture(scope="module")
+def sections(data):
+    return {section.anchor: section for section in report_sections(data)}
+
+
+@reads("section", "status_section")
+def test_status(sections, data):
+    section = sections["status"]
+    assert section.status == data.status == "fail"
+    (table,) = section.tables
+    assert table.head == ("check", "value", "limit", "margin", "verdict")
+    assert table.verdict_columns == (4,)
+    _assert_rows(table.rows, _CHECKS)
+    first = section.paragraphs[0]
+    assert first == (
+        "Status: fail. Of 6 checks 3 keep their limit, 1 are beyond a limit of severity warning, "
+        "1 fail, 1 have no limit. The findings have 1 warning."
+    )
+
+
+def test_status_of_two_designs(data):
+    """Both are shown; the status of the report is that of the improved design."""
+    kept = tuple(one for one in _CHECKS if one.verdict in ("pass", "no limit"))
+    after = dataclasses.replace(data, checks=kept, findings=())
+    section = report_sections(dataclasses.replace(data, improved=after))[0]
+    assert (section.anchor, section.status) == ("status", "pass")
+    assert [one.caption for one in section.tables] == ["Checks: start", "Checks: optimum"]
+    _assert_rows(section.tables[1].rows, kept)
+    assert section.paragraphs[0].startswith("Status of the start: fail.")
+    assert section.paragraphs[1].startswith("Status of the optimum: pass.")
+    unknown = dataclasses.replace(data, checks=None, findings=None)
+    section = report_sections(unknown)[0]
+    assert section.status == "warning"
+    assert "Not everything could be checked." in section.paragraphs[0]
+
+
+@reads("section", "inputs_section")
+def test_inputs(sections):
+    """Without a file here; `tests/report/test_report_inputs.py` compares every number of files."""
+    tables = {table.caption: table for table in sections["inputs"].tables}
+    rows = {row[0]: row for row in tables["[stage.thread]"].rows}
+    thread = scenes.example("wu2022").stages[0].thread
+    assert_reads(rows["lead"][1], (thread.lead, "m", "whole"))
+    assert_reads(rows["contact angle"][1], (thread.contact_angle, "rad", "whole"))
+    friction = {row[0]: row[1] for row in tables["[stage.friction.thread]"].rows}
+    assert friction["law"] == "coulomb"
+    assert_reads(friction["coefficient"], (0.05, "", "whole"))
+
+
+@reads("section", "left_out_section")
+def test_left_out(sections, data):
+    section = sections["left_out"]
+    absent, failed = section.tables
+    assert failed.rows == (("vibration", "no masses"),)
+    names = {row[0] for row in absent.rows}
+    assert "stage.1.strength" in names
+    assert "stage.1.friction" not in names
+    assert all(row[1] and row[2] for row in absent.rows)
+    assert section.assumptions == prsm.assumptions(data.mechanism)
+
+
+@reads("section", "provenance_section")
+def test_provenance(sections, data):
+    responsible, made = sections["provenance"].tables
+    assert_table(
+        responsible,
+        ("", ""),
+        [
+            *(("author", "A. Uthor"), ("revision", "B"), ("date", "2026-11-24")),
+            ("signature", "…" * 12),
+        ],
+    )
+    rows = dict(made.rows)
+    assert rows["SHA-256 of this file"] == data.origin.sha256
+    assert rows["mechanism from"] == "my.toml"
+    assert rows["changed on the command line"] == "lead=12 mm"
+    assert rows["prsm_jax"] == prsm.__version__
+    assert rows["numbers"] == "float64"
+
+
+@reads("verb", "strength")
+def test_strength(run, monkeypatch):
+    monkeypatch.setattr(_analyse, "check_values", lambda _: {})
+    monkeypatch.setattr(_analyse, "checked_numbers", lambda _: None)
+    monkeypatch.setattr(_analyse, "check_from", lambda *_: ())
+    monkeypatch.setattr(_analyse, "strength_checks_from", lambda *_: _CHECKS)
+    found, printed = run("strength", "wu2022", status=1)
+    assert found["status"] == "fail"
+    assert_json(found["checks"], [dataclasses.asdict(one) for one in _CHECKS])
+    assert {"name", "value", "limit", "unit", "margin", "verdict"} <= set(found["checks"][0])
+    printed.row("Strength of wu2022: fail")
+    assert printed.row("check") == ["value", "limit", "margin", "verdict"]
+    for label, value, limit, margin, verdict in _rows(_CHECKS):
+        cells = printed.row(label)
+        assert_reads(cells[0], value)
+        assert cells[-1] == verdict
+        if limit:
+            assert_reads(cells[1].removeprefix(limit[0]), (limit[1], limit[2], "whole"))
+            assert_reads(cells[2], margin)
+    printed.finish()
+
+
+@reads("verb", "report")
+def test_report(run, monkeypatch, data, tmp_path):
+    """The JSON, the table, and what goes into the report."""
+    from prsm_jax import report
+
+    given = {}
+
+    def analyse(mechanism, **more):
+        given.update(more)
+        return dataclasses.replace(data, mechanism=mechanism)
+
+    def write(folder, data, *, on_fault):
+        return folder / "report.html"
+
+    monkeypatch.setattr(report, "analyse", analyse)
+    monkeypatch.setattr(report, "write_report", write)
+    words = ("report", "wu2022", "--out", tmp_path / "a b", "--author", "N. N.", "--revision", "C")
+    found, printed = run(*words, "--set", "lead=12 mm")
+    assert found["report"] == str(tmp_path / "a b" / "report.html")
+    assert found["status"] == "fail"
+    assert found["complete"] is True
+    assert_json(found["checks"], [dataclasses.asdict(one) for one in _CHECKS])
+    origin = given["origin"]
+    assert (origin.author, origin.revision, origin.settings) == ("N. N.", "C", ("lead=12 mm",))
+    assert found["sha256"] == origin.sha256
+    assert given["command"] == (
+        f"prsm report wu2022 --out '{tmp_path}/a b' --set 'lead=12 mm' --author 'N. N.' "
+        "--revision C"
+    )
+    printed.row("Status: fail")
+    printed.row("check")
+    for label, value, *_ in _rows(_CHECKS):
+        assert_reads(printed.row(label)[0], value)
+
+
+def test_a_file_that_changes_while_it_is_read_is_refused(run, monkeypatch, tmp_path, capsys):
+    from prsm_jax.cli import main
+    from prsm_jax.cli._common import Common
+
+    path = tmp_path / "my.toml"
+    path.write_text(prsm.file.example_text("wu2022"))
+    load = Common.load
+
+    def changing(self, source):
+        mechanism = load(self, source)
+        path.write_text(path.read_text() + "# more\n")
+        return mechanism
+
+    monkeypatch.setattr(Common, "load", changing)
+    assert main(["report", str(path), "--out", str(tmp_path / "out")]) == 2
+    assert "changed while it was read" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+    assert _demo.Signed().author == ""
+
+
+def test_checks_of_a_page_are_those_of_the_python_api(tmp_path):
+    """From the file to the cell of the page and the JSON, without a number in between."""
+    from prsm_jax.cli import main
+
+    text = prsm.file.example_text("wu2022") + (
+        '\n[stage.strength]\nstatic_capacity = "60 kN"\ndynamic_capacity = "45 kN"\n'
+        'required_life = "500 h"\n'
+    )
+    path = tmp_path / "my.toml"
+    path.write_text(text)
+    out = tmp_path / "out"
+    words = [
+        "report",
+        str(path),
+        "--out",
+        str(out),
+        "--no-transient",
+        "--json",
+        str(tmp_path / "j"),
+    ]
+    assert main(words) in (0, 1)
+    checks = prsm.strength_checks(prsm.load(path))
+    found = json.loads((tmp_path / "j").read_text())
+    assert [one["name"] for one in found["checks"]] == [one.name for one in checks]
+    for one, check in zip(found["checks"], checks, strict=True):
+        assert one["verdict"] == check.verdict
+        assert one["value"] == pytest.approx(check.value, rel=1e-9)
+        assert_json(one["margin"], check.margin)
+    tables = dict(html_tables((out / "report.html").read_text()))
+    rows = tables["Checks"][1:]
+    by_label = {row[0]: row for row in rows}
+    assert_reads(by_label["static safety"][1], (60 / 7, ""))
+    life = 1e6 * (45 / 7) ** 3 * 2 * 3.141592653589793 / 100
+    assert_reads(by_label["rating life, with its factors"][1], (life, "s"))
+    content = json.loads((out / "report.json").read_text())
+    assert content["status"] == found["status"]
+    assert content["sections"][0]["tables"][0]["rows"] == rows
