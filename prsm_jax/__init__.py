@@ -6,7 +6,8 @@ findings, sensitivities, optimisation, calibration, sweeps, uncertainty → stud
 mechanism holds laws of `friction` and a `scenario`. `validation` compares with published numbers,
 `explanation` lists the parts of a mechanism, `catalogue_sizes` builds mechanisms from a maker's
 table, `cli` is the command line. The lowest layer is `fields` (numbers with units and limits),
-`numerics` (methods), `programs` (how JAX compiles them), `text` and `process` (signals, files).
+`numerics` (methods), `programs` (how JAX compiles them), `text`, `process` (signals, files) and
+`results` (how results are printed and kept).
 """
 
 from . import process as process  # isort: skip # before JAX
@@ -26,6 +27,7 @@ from . import (
     mechanism as mechanism,
     quantities as quantities,
     response as response,
+    results as results,
     scenario as scenario,
     stiffness as stiffness,
     strength as strength,
@@ -84,6 +86,7 @@ from .response import (
     campbell as campbell,
     frequency_response as frequency_response,
 )
+from .results import load_result as load_result, save_result as save_result
 from .scenario import Scenario as Scenario, TorqueScenario as TorqueScenario
 from .vibration import (
     Modes as Modes,

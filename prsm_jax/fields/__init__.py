@@ -26,6 +26,7 @@ from ._fields import (
     as_optional_scalar as as_optional_scalar,
     as_scalar as as_scalar,
     choice as choice,
+    computed as computed,
     driven as driven,
     number as number,
     numbers as numbers,

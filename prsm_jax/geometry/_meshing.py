@@ -4,10 +4,11 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..fields import Scalar
+from ..fields import Scalar, computed
 from ..mechanism import Thread, of_one_design
 from ..numerics import find_root_of
 from ..programs import one_program, physics
+from ..results import Result
 from ._curvature import RelativeCurvature, relative_curvature
 from ._flanks import (
     FlankGeometry,
@@ -23,17 +24,17 @@ from ._flanks import (
 _MAXIMUM_STEPS = 32
 
 
-class ThreadContact(eqx.Module):
+class ThreadContact(Result):
     """Geometry of one thread contact of a roller.
 
     `contact_radius` and `contact_angle_position` are those on the screw (or nut); the roller's
     are `roller_contact_radius` and `roller_angle_position`, measured from the line of centres.
     """
 
-    contact_radius: Scalar
-    contact_angle_position: Scalar
-    roller_contact_radius: Scalar
-    roller_angle_position: Scalar
+    contact_radius: Scalar = computed("m")
+    contact_angle_position: Scalar = computed("rad")
+    roller_contact_radius: Scalar = computed("m")
+    roller_angle_position: Scalar = computed("rad")
     #: Parts of `normal`: plain numbers, because XLA recomputes the inputs of an array for each of
     #: its entries (six times the run time of a Hessian).
     normal_parts: tuple[Scalar, Scalar, Scalar]
@@ -45,7 +46,7 @@ class ThreadContact(eqx.Module):
         return jnp.stack(self.normal_parts, axis=-1)
 
 
-class Meshing(eqx.Module):
+class Meshing(Result):
     """Contacts of one roller with screw and nut.
 
     `converged` is the result code of the root search; for a design without a common normal it is
@@ -55,8 +56,8 @@ class Meshing(eqx.Module):
     screw: ThreadContact
     nut: ThreadContact
     #: Axial gap of the screw-side flanks when all teeth are half a pitch thick [m].
-    axial_gap: Scalar
-    converged: Bool[Array, ""]
+    axial_gap: Scalar = computed("m")
+    converged: Bool[Array, ""] = computed("1")
 
 
 class ContactTriangle(eqx.Module):

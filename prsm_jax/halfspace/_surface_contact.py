@@ -2,12 +2,13 @@
 
 import dataclasses
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..fields import Scalar, old_name
+from ..fields import Scalar, computed, old_name
 from ..programs import physics
+from ..results import Result, lines_of, outcome
+from ..text import Line
 from ._displacement import normal_displacement
 from ._equilibrium import equilibrium
 from ._grid import Grid
@@ -29,7 +30,7 @@ RESULTS = {
 _LARGEST_STRAIN = 0.1
 
 
-class SurfaceContact(eqx.Module):
+class SurfaceContact(Result):
     """Contact of two surfaces under pressure; fields are arrays over the grid's cells."""
 
     grid: Grid
@@ -42,19 +43,24 @@ class SurfaceContact(eqx.Module):
     #: Gap between the deformed surfaces [m].
     separation: Float[Array, "nx ny"]
     #: Approach of the two bodies δ [m].
-    approach: Scalar
+    approach: Scalar = computed("m")
     #: Normal force F [N].
-    load: Scalar
+    load: Scalar = computed("N")
     #: Largest pressure, between the cells' centres [Pa].
-    max_pressure: Scalar
+    max_pressure: Scalar = computed("Pa")
     #: Area in contact [m²].
-    area: Scalar
+    area: Scalar = computed("m²")
     #: Total number of steps on all grids.
-    iterations: Int[Array, ""]
+    iterations: Int[Array, ""] = computed("1")
     #: Largest violation of the contact conditions over the largest displacement.
-    residual: Scalar
+    residual: Scalar = computed("1")
     #: One of `RESULTS`; 0 is success.
     code: Int[Array, ""]
+
+    def lines(self) -> list[Line]:
+        """What `print` shows."""
+        names = [meaning.partition(":")[0] for meaning in RESULTS.values()]
+        return [outcome(self.code, names), *lines_of(self)]
 
     @property
     def found(self) -> Bool[Array, ""]:

@@ -1,11 +1,11 @@
 """Tangential traction by Coulomb's law: full sliding, and partial slip."""
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..fields import Scalar
+from ..fields import Scalar, computed
 from ..programs import physics
+from ..results import Result
 from ._surface_contact import SurfaceContact, solve_contact
 
 
@@ -20,7 +20,7 @@ def sliding_traction(contact: SurfaceContact, coefficient: Scalar | float) -> Fl
     return coefficient * contact.pressure
 
 
-class PartialSlip(eqx.Module):
+class PartialSlip(Result):
     """Tangential traction in one direction, with a stick zone inside a slip zone."""
 
     #: Traction in the direction of the force [Pa].
@@ -30,11 +30,11 @@ class PartialSlip(eqx.Module):
     #: Cells in contact that slip.
     slip: Bool[Array, "nx ny"]
     #: Tangential force, at most μ F [N].
-    force: Scalar
+    force: Scalar = computed("N")
     #: Whether the whole contact slides: the given force is μ F or more.
-    sliding: Bool[Array, ""]
+    sliding: Bool[Array, ""] = computed("1")
     #: Approach minus that under the load F* of the stick zone, δ(F) − δ(F*) [m].
-    approach_difference: Scalar
+    approach_difference: Scalar = computed("m")
     #: Result code of the second contact, one of `RESULTS`; 3 if no cell sticks.
     code: Array
 

@@ -9,10 +9,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..contact import StageContact, load_of
-from ..fields import Scalar
+from ..fields import Scalar, computed
 from ..geometry import Meshing
 from ..mechanism import Mechanism, Stage, of_one_design, stage_at
-from ..programs import AbstractResult, mapped
+from ..programs import mapped
+from ..results import Result
 from ._block_tridiagonal import control_column
 from ._chains import (
     Chains,
@@ -29,7 +30,7 @@ from ._stage_chains import StageChains, regularisation_of, regularised, sharing_
 from ._unloaded import ElasticDeflection, elastic_deflection
 
 
-class LoadDistribution(AbstractResult):
+class LoadDistribution(Result):
     """How a stage shares an axial load among its threads and rollers.
 
     Threads count from the end of the nut where the screw's force enters. A positive load presses
@@ -38,19 +39,19 @@ class LoadDistribution(AbstractResult):
 
     screw: SideLoads
     nut: SideLoads
-    load: Scalar
+    load: Scalar = computed("N")
     #: Travel of screw towards nut from where nominal forward flanks touch, at their ends [m]. With
     #: play, errors or preload it is not 0 without a load: see `elastic`.
-    deflection: Scalar
+    deflection: Scalar = computed("m")
     #: Tangent stiffness between screw and nut dF/dx, shafts and teeth included [N/m]; `None` where
     #: it was not computed (see `tangent_stiffness`).
-    tangent_stiffness: Scalar | None
+    tangent_stiffness: Scalar | None = computed("N/m")
     #: Force in the spacer of a split nut [N]; `None` for a nut in one piece.
-    spacer_force: Scalar | None
+    spacer_force: Scalar | None = computed("N")
     chains: Chains
     equilibrium: Equilibrium
     #: Whether threads mesh and the balance converged; else loads and deflections are NaN.
-    converged: Bool[Array, ""]
+    converged: Bool[Array, ""] = computed("1")
     #: Numbers of the rollers of each class, from 1.
     rollers: tuple[tuple[int, ...], ...] = eqx.field(static=True)
 

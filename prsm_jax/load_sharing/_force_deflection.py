@@ -8,26 +8,27 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
 
+from ..fields import computed
 from ..mechanism import Mechanism, Stage, of_one_design, stage_at
-from ..programs import AbstractResult
+from ..results import Result
 from ._chains import Control
 from ._distribution import balanced
 from ._stage_chains import sharing_of, stage_chains
 
 
-class ForceDeflection(AbstractResult):
+class ForceDeflection(Result):
     """Axial load over deflection of one stage, point by point."""
 
     #: [N]
-    load: Float[Array, " points"]
+    load: Float[Array, " points"] = computed("N")
     #: Travel of screw towards nut from where nominal forward flanks touch, with play and the
     #: shift by the preload [m].
-    deflection: Float[Array, " points"]
+    deflection: Float[Array, " points"] = computed("m")
     #: dF/dx [N/m].
-    tangent_stiffness: Float[Array, " points"]
+    tangent_stiffness: Float[Array, " points"] = computed("N/m")
     #: Elastic energy stored in contacts, teeth and shafts [J].
-    stored_energy: Float[Array, " points"]
-    converged: Bool[Array, " points"]
+    stored_energy: Float[Array, " points"] = computed("J")
+    converged: Bool[Array, " points"] = computed("1")
 
     @property
     def batch_shape(self) -> tuple[int, ...]:

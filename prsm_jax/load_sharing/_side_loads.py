@@ -5,9 +5,10 @@ from typing import Literal
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..fields import Scalar
+from ..fields import Scalar, computed
 from ..numerics import above_or_nan, cube_root_or_zero
-from ..programs import AbstractResult, mapped
+from ..programs import mapped
+from ..results import Result
 from ._chains import Flanks, Loads
 from ._stage_chains import StageChains
 
@@ -16,18 +17,18 @@ from ._stage_chains import StageChains
 _ZERO_FORCE = {True: 1e-9, False: 1e-3}
 
 
-class SideLoads(AbstractResult):
+class SideLoads(Result):
     """Loads between rollers and screw, or rollers and nut; a row for each class of rollers."""
 
     #: Axial load on the flanks that a positive load presses [N].
-    forward: Float[Array, "classes threads"]
+    forward: Float[Array, "classes threads"] = computed("N")
     #: Axial load on the opposite flanks [N]; `None` where they are not modelled.
-    reverse: Float[Array, "classes threads"] | None
+    reverse: Float[Array, "classes threads"] | None = computed("N")
     #: Largest Hertz pressure of each thread [Pa].
-    max_pressure: Float[Array, "classes threads"]
+    max_pressure: Float[Array, "classes threads"] = computed("Pa")
     #: Axial secant stiffness of one roller of each class, its threads in parallel and its
     #: `stiffness_factor` included [N/m]; 0 for a roller without load.
-    stiffness: Float[Array, " classes"]
+    stiffness: Float[Array, " classes"] = computed("N/m")
     #: How many rollers each class stands for.
     weight: Float[Array, " classes"]
     #: A typical force on one thread [N], to tell a load from rounding; `None` if not known.

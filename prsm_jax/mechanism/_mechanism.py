@@ -22,7 +22,10 @@ from ..fields import (
     part,
 )
 from ..friction import Friction, FrictionLaw
+from ..results import Shown, printed
 from ..scenario import Scenario, TorqueScenario
+from ..text import aligned, html_table, short_label
+from ._printing import lines_of_mechanism
 from .parts import (
     Carrier,
     Damping,
@@ -187,7 +190,7 @@ class _Title:
         vars(mechanism)["title"] = text if isinstance(text, _StoredTitle) else _StoredTitle(text)
 
 
-class Mechanism(Limited):
+class Mechanism(Limited, Shown):
     """A planetary roller screw mechanism of one or several stages.
 
     A frozen pytree in SI units. The stages share the screw speed through splines; nut k − 1
@@ -228,6 +231,17 @@ class Mechanism(Limited):
                 "stage 1 has friction.spline, but the first screw does not move axially; "
                 "remove it, or give it to the stage whose screw slides in a spline"
             )
+
+    def __str__(self) -> str:
+        return aligned(*printed(self, lambda: lines_of_mechanism(self)))
+
+    def __repr__(self) -> str:
+        count = len(self.stages)
+        named = f" {short_label(self.title)!r}" if self.title else ""
+        return f"<Mechanism{named}: {count} stage{'s' * (count != 1)}>"
+
+    def _repr_html_(self) -> str:
+        return html_table(*printed(self, lambda: lines_of_mechanism(self)))
 
 
 # Set after the class is created: inside it, this would be taken as the default.

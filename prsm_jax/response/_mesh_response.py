@@ -9,9 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..fields import Scalar
+from ..fields import Scalar, computed
 from ..mechanism import Mechanism, of_one_design, stage_at
-from ..programs import AbstractResult, physics
+from ..programs import physics
+from ..results import Result
 from ..vibration import (
     Coordinate,
     Spring,
@@ -31,21 +32,21 @@ from ._orders import (
 from ._receptance import Solver, harmonic_response, magnitude
 
 
-class MeshResponse(AbstractResult):
+class MeshResponse(Result):
     """Steady vibration under one harmonic of an excitation in the contacts, by screw speed.
 
     Amplitudes are complex: the vibration is `Re(amplitude · e^{iωt})`. At a pole they are infinite.
     """
 
     #: Screw speed [rad/s].
-    speed: Float[Array, " speeds"]
+    speed: Float[Array, " speeds"] = computed("rad/s")
     #: Frequency of the excitation [Hz].
-    frequency: Float[Array, " speeds"]
+    frequency: Float[Array, " speeds"] = computed("Hz")
     #: Amplitude of every coordinate [m]; rotations as u = r θ.
-    displacement: Complex[Array, "speeds coordinates"]
+    displacement: Complex[Array, "speeds coordinates"] = computed("m")
     #: Force in every spring, positive in tension; in contacts from elongation minus error [N].
-    spring_force: Complex[Array, "speeds springs"]
-    at_pole: Bool[Array, " speeds"]
+    spring_force: Complex[Array, "speeds springs"] = computed("N")
+    at_pole: Bool[Array, " speeds"] = computed("1")
     coordinates: tuple[Coordinate, ...] = eqx.field(static=True)
     springs: tuple[Spring, ...] = eqx.field(static=True)
 

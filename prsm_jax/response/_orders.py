@@ -22,14 +22,16 @@ from ..dynamics import (
     ideal_carrier_ratio,
     steady_state,
 )
-from ..fields import Scalar, plain
+from ..fields import Scalar, computed, plain
 from ..mechanism import Mechanism, Stage, stage_at
 from ..programs import physics
+from ..results import Result, lines_of
+from ..text import Line
 
 Phasing: TypeAlias = Literal["torsional", "transverse", "roller"]
 
 
-class ExcitationOrder(eqx.Module):
+class ExcitationOrder(Result):
     """A periodic excitation of the contacts, with its fundamental frequency and phases.
 
     Its h-th harmonic has `h · order` times the rotational frequency of the screw. At the roller at
@@ -37,13 +39,17 @@ class ExcitationOrder(eqx.Module):
     """
 
     #: Periods per turn of the screw.
-    order: Scalar
+    order: Scalar = computed("1")
     #: Periods of the pattern around the screw; they give the phases of the rollers.
-    lobes: Scalar
+    lobes: Scalar = computed("1")
     name: str = eqx.field(static=True)
     #: Contacts on which it acts.
     springs: tuple[str, ...] = eqx.field(static=True)
     description: str = eqx.field(static=True)
+
+    def lines(self) -> list[Line]:
+        """What `print` shows."""
+        return [Line("name", self.name), *lines_of(self), Line("what", self.description)]
 
 
 @physics("carrier_ratio")

@@ -2,29 +2,29 @@
 
 from collections.abc import Callable
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
 from ..contact import StageContact, ThreadContactSide, stage_contact
-from ..fields import Scalar
+from ..fields import Scalar, computed
 from ..geometry import Meshing
 from ..load_sharing import LoadDistribution, SideLoads, stage_load_distribution
 from ..mechanism import Stage, total_factor
 from ..numerics import above_or_nan
+from ..results import Result
 
 
-class ThreadStiffness(eqx.Module):
+class ThreadStiffness(Result):
     """Thread contact stiffness of one roller, all its engaged threads in parallel [N/m]."""
 
-    screw_roller: Scalar
-    nut_roller: Scalar
+    screw_roller: Scalar = computed("N/m")
+    nut_roller: Scalar = computed("N/m")
     #: Of each roller present, if a load distribution has unlike rollers; no further factor then
     #: applies, and `screw_roller` and `nut_roller` are those of its first class.
-    screw_each: Float[Array, " rollers"] | None = None
-    nut_each: Float[Array, " rollers"] | None = None
+    screw_each: Float[Array, " rollers"] | None = computed("N/m", default=None)
+    nut_each: Float[Array, " rollers"] | None = computed("N/m", default=None)
 
 
 def loaded_threads(

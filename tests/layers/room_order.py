@@ -10,6 +10,7 @@ GROUND: dict[str, set[str]] = {
     "text": set(),
     "process": set(),
     "fields": {"numerics"},
+    "results": {"programs", "text", "process", "fields"},
 }
 #: Each room and the rooms that it may use, directly; errors and the version serve all.
 LAYERS = {

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from typing import Literal, TypeAlias
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from ...fields import Scalar
+from ...fields import Scalar, computed
 from ...mechanism import Material
 from ...numerics import above_or_nan
 from ...programs import physics
+from ...results import Result
 from ._approximations import APPROXIMATIONS
 from ._axis_ratio import contact_ellipse
 
@@ -26,18 +26,18 @@ HertzMethod: TypeAlias = (
 _LEAST_CUBE = 1e-140
 
 
-class HertzContact(eqx.Module):
+class HertzContact(Result):
     """Result of an elliptical Hertz contact under a normal force."""
 
-    semi_major: Scalar
-    semi_minor: Scalar
-    max_pressure: Scalar
+    semi_major: Scalar = computed("m")
+    semi_minor: Scalar = computed("m")
+    max_pressure: Scalar = computed("Pa")
     #: Normal approach of the two bodies δ [m].
-    approach: Scalar
+    approach: Scalar = computed("m")
     #: Secant stiffness F/δ [N/m].
-    stiffness: Scalar
+    stiffness: Scalar = computed("N/m")
     #: Tangent stiffness dF/dδ = 3/2 F/δ [N/m].
-    stiffness_tangent: Scalar
+    stiffness_tangent: Scalar = computed("N/m")
     #: Complete elliptic integral of the second kind E(1 − κ²), used by the spin moment.
     second_elliptic_integral: Scalar
 
