@@ -5,9 +5,9 @@ halfspace, load_sharing → strength, stiffness → vibration, dynamics → resp
 findings, sensitivities, optimisation, calibration, sweeps, uncertainty → studies → report. A
 mechanism holds laws of `friction` and a `scenario`. `validation` compares with published numbers,
 `explanation` lists the parts of a mechanism, `catalogue_sizes` builds mechanisms from a maker's
-table, `cli` is the command line. The lowest layer is `fields` (numbers with units and limits),
-`numerics` (methods), `programs` (how JAX compiles them), `text`, `process` (signals, files) and
-`results` (how results are printed and kept).
+table, `dimensioning` chooses one of them, `cli` is the command line. The lowest layer is `fields`
+(numbers with units and limits), `numerics` (methods), `programs` (how JAX compiles them), `text`,
+`process` (signals, files) and `results` (how results are printed and kept).
 """
 
 from . import process as process  # isort: skip # before JAX
@@ -98,6 +98,7 @@ if TYPE_CHECKING:
     from . import (
         calibration as calibration,
         catalogue_sizes as catalogue_sizes,
+        dimensioning as dimensioning,
         explanation as explanation,
         halfspace as halfspace,
         optimisation as optimisation,
@@ -125,6 +126,7 @@ else:
     _AT_FIRST_USE = {
         "calibration": "calibrate",
         "catalogue_sizes": "catalogue_mechanism",
+        "dimensioning": "",
         "explanation": "explain",
         "halfspace": "",
         "optimisation": "Optimum ParetoFront optimise pareto",

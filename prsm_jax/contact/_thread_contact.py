@@ -1,10 +1,12 @@
 """Thread contacts of one stage under load."""
 
+from typing import Annotated
+
 import jax
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from ..fields import Scalar, computed
+from ..fields import In, Scalar
 from ..geometry import Meshing, mesh
 from ..mechanism import Stage, material_of
 from ..results import Result
@@ -16,11 +18,11 @@ class ThreadContactSide(Result):
     """One thread contact on one side of a roller; all engaged threads share the load equally."""
 
     hertz: HertzContact
-    normal_force: Scalar = computed("N")
+    normal_force: Annotated[Scalar, In("N")]
     #: Axial secant stiffness of one contact, F_a/δ_a with δ_a = δ F_n/F_a [N/m].
-    axial_stiffness: Scalar = computed("N/m")
+    axial_stiffness: Annotated[Scalar, In("N/m")]
     #: Axial stiffness of all engaged threads of one roller in parallel [N/m].
-    roller_stiffness: Scalar = computed("N/m")
+    roller_stiffness: Annotated[Scalar, In("N/m")]
 
     @property
     def roller_tangent_stiffness(self) -> Scalar:

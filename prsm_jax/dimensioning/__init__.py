@@ -2,3 +2,4 @@
 
 from ._dimension import Dimensioning as Dimensioning, dimension as dimension
 from ._requirements import Requirements as Requirements
+from ._sizes import nut_outer_diameter as nut_outer_diameter

@@ -99,7 +99,8 @@ def dimension(
     more, the screw turns at no more than 0.8 of its critical speed, and its DN value is 100,000 mm
     rpm or less (grease). The screw is fixed at one end and supported at the other; between the
     bearings it is longer than stroke and nut by two diameters. Of the sizes that fit, the one with
-    the smallest nut is taken, and of its leads the smallest, which needs the least torque.
+    the smallest nut is taken; of its leads those whose contact ellipses stay on the flanks under
+    the load, if there are any, and of these the smallest, which needs the least torque.
 
     **Arguments:**
 
@@ -115,7 +116,9 @@ def dimension(
     usable = np.flatnonzero(fits(found))
     if not usable.size:
         return Dimensioning(wanted, None, None, {}, relaxations(sizes, wanted), len(sizes.rows))
-    order = np.lexsort((sizes.lead[usable], sizes.diameter[usable], sizes.nut_diameter[usable]))
+    cut = sizes.truncation_load[usable] < wanted.load
+    keys = (sizes.lead[usable], cut, sizes.diameter[usable], sizes.nut_diameter[usable])
+    order = np.lexsort(keys)
     place = int(usable[order[0]])
     row = sizes.rows[place]
     own = {name: float(values[place]) for name, values in found.items()}

@@ -2,7 +2,12 @@
 
 import dataclasses
 import math
+from typing import TypeVar
 
+import numpy as np
+
+#: One length, or an array of them.
+_Length = TypeVar("_Length", float, np.ndarray)
 #: Static capacity over the load (ISO 76 asks rolling bearings for 1 to 2).
 STATIC_SAFETY = 2.0
 #: Buckling load over the load, as catalogues of ball screws require.
@@ -46,16 +51,16 @@ class Requirements:
 UNITS = {"load": "N", "stroke": "m", "speed": "m/s", "life": "s", "envelope": "m"}
 
 
-def loaded_length(stroke: float, nut_length: float) -> float:
+def loaded_length(stroke: float, nut_length: _Length) -> _Length:
     """From the bearing to the far end of the nut at the end of its stroke [m]."""
     return stroke + nut_length
 
 
-def unsupported_length(stroke: float, nut_length: float, diameter: float) -> float:
+def unsupported_length(stroke: float, nut_length: _Length, diameter: _Length) -> _Length:
     """Between the bearings of the screw [m]."""
     return stroke + nut_length + _ENDS * diameter
 
 
-def screw_length(stroke: float, nut_length: float, diameter: float) -> float:
+def screw_length(stroke: float, nut_length: _Length, diameter: _Length) -> _Length:
     """Of the whole screw [m]."""
     return unsupported_length(stroke, nut_length, diameter) + _JOURNALS * diameter

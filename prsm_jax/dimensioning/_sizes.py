@@ -10,12 +10,13 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..catalogue_sizes import catalogue_mechanism, catalogue_rows
-from ..mechanism import Mechanism, with_traced_counts
+from ..mechanism import Mechanism, Stage, with_traced_counts
 from ..quantities import compute
 from ..strength import buckling_load, critical_speed
 
 #: Columns of the catalogue that are dimensions; masses follow from them, capacities are results.
 _DIMENSIONS = ("crest_diameter_mm", "root_diameter_mm", "nut_outer_diameter_mm", "nut_length_mm")
+_COMPUTED = ("dynamic_capacity", "static_capacity", "truncation_load")
 #: Length of the screws for which the program is evaluated [m]: both limits go with 1/l².
 _LENGTH = 1.0
 
@@ -25,6 +26,12 @@ def size_mechanism(row: dict[str, float]) -> Mechanism:
     given = {name: row[name] for name in _DIMENSIONS if name in row}
     diameter, lead = row["nominal_diameter_mm"] * 1e-3, row["lead_mm"] * 1e-3
     return catalogue_mechanism(diameter, lead, row["starts"], **given)
+
+
+def nut_outer_diameter(stage: Stage) -> float:
+    """Outer diameter of the nut of a size [m]."""
+    assert stage.nut.wall_thickness is not None
+    return 2 * float(stage.thread.nut_radius + stage.nut.wall_thickness)
 
 
 @dataclass(frozen=True)
@@ -38,6 +45,8 @@ class Sizes:
     nut_length: np.ndarray
     dynamic_capacity: np.ndarray
     static_capacity: np.ndarray
+    #: Load from which a contact ellipse passes the end of a flank [N].
+    truncation_load: np.ndarray
     #: Buckling load [N] and critical speed [rad/s] of a length of one metre.
     buckling_load: np.ndarray
     critical_speed: np.ndarray
@@ -47,11 +56,11 @@ class Sizes:
 def capacities(
     batch: Mechanism, counts: Float[Array, " sizes"]
 ) -> dict[str, Float[Array, " sizes"]]:
-    """Capacities, buckling load and critical speed of all sizes."""
+    """Capacities, truncation load, buckling load and critical speed of all sizes."""
 
     def of_one(mechanism: Mechanism, count: Float[Array, ""]) -> dict[str, Float[Array, ""]]:
         counted = with_traced_counts(mechanism, {"roller_count": count})
-        found = compute(counted, ["dynamic_capacity", "static_capacity"])
+        found = compute(counted, _COMPUTED)
         stage, length = counted.stages[0], jnp.asarray(_LENGTH)
         return {
             **{name: value[0] for name, value in found.items()},
@@ -77,14 +86,11 @@ def all_sizes() -> Sizes:
     ]
     batch = jax.tree.map(lambda *leaves: jnp.stack(leaves), *alike)
     found = capacities(batch, jnp.asarray(counts))
-    nut_diameter = [
-        2 * float(s.thread.starts * s.thread.roller_radius + s.nut.wall_thickness) for s in stages
-    ]
     return Sizes(
         rows,
         np.array([row["nominal_diameter_mm"] * 1e-3 for row in rows]),
         np.array([row["lead_mm"] * 1e-3 for row in rows]),
-        np.array(nut_diameter),
+        np.array([nut_outer_diameter(stage) for stage in stages]),
         np.array([float(stage.nut.length) for stage in stages]),  # pyright: ignore[reportArgumentType]
         **{name: np.asarray(values) for name, values in found.items()},
     )

@@ -1,6 +1,7 @@
 """Fields: what a number is called, its unit, and its limits."""
 
 from ._arguments import listed_names as listed_names, refuse_options as refuse_options
+from ._computed import In as In, units_of as units_of
 from ._counts import (
     FEWEST_TRACED as FEWEST_TRACED,
     Count as Count,
@@ -26,7 +27,6 @@ from ._fields import (
     as_optional_scalar as as_optional_scalar,
     as_scalar as as_scalar,
     choice as choice,
-    computed as computed,
     driven as driven,
     number as number,
     numbers as numbers,

@@ -179,11 +179,3 @@ def choice(
         metadata["choice"] = True
         return eqx.field(converter=converter, metadata=metadata, **kwargs)
     return eqx.field(static=True, metadata=metadata, **kwargs)
-
-
-def computed(unit: str, **kwargs: Any) -> Any:
-    """A number of a result, or an array or dictionary of numbers, with its SI unit as metadata.
-
-    Results print their fields of this kind.
-    """
-    return eqx.field(metadata={"unit": unit}, **kwargs)

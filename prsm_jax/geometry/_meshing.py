@@ -1,10 +1,12 @@
 """Contact points of the threads: points of common normal between roller, screw and nut."""
 
+from typing import Annotated
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..fields import Scalar, computed
+from ..fields import In, Scalar
 from ..mechanism import Thread, of_one_design
 from ..numerics import find_root_of
 from ..programs import one_program, physics
@@ -31,10 +33,10 @@ class ThreadContact(Result):
     are `roller_contact_radius` and `roller_angle_position`, measured from the line of centres.
     """
 
-    contact_radius: Scalar = computed("m")
-    contact_angle_position: Scalar = computed("rad")
-    roller_contact_radius: Scalar = computed("m")
-    roller_angle_position: Scalar = computed("rad")
+    contact_radius: Annotated[Scalar, In("m")]
+    contact_angle_position: Annotated[Scalar, In("rad")]
+    roller_contact_radius: Annotated[Scalar, In("m")]
+    roller_angle_position: Annotated[Scalar, In("rad")]
     #: Parts of `normal`: plain numbers, because XLA recomputes the inputs of an array for each of
     #: its entries (six times the run time of a Hessian).
     normal_parts: tuple[Scalar, Scalar, Scalar]
@@ -56,8 +58,8 @@ class Meshing(Result):
     screw: ThreadContact
     nut: ThreadContact
     #: Axial gap of the screw-side flanks when all teeth are half a pitch thick [m].
-    axial_gap: Scalar = computed("m")
-    converged: Bool[Array, ""] = computed("1")
+    axial_gap: Annotated[Scalar, In("m")]
+    converged: Annotated[Bool[Array, ""], In("1")]
 
 
 class ContactTriangle(eqx.Module):

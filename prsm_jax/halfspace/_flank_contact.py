@@ -2,12 +2,13 @@
 
 import dataclasses
 from collections.abc import Callable
+from typing import Annotated
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..contact import HertzContact, contact_modulus, engaged_threads, hertz_contact
-from ..fields import Scalar, computed
+from ..fields import In, Scalar
 from ..geometry import Meshing, dimensions_possible, mesh
 from ..mechanism import Stage, material_of, of_one_design
 from ..results import Result
@@ -35,7 +36,7 @@ class FlankContact(Result):
     #: Contact of the osculating paraboloids, under the same normal force or at the given approach.
     hertz: HertzContact
     #: Normal force per axial force of the contact, F_n/F_a.
-    normal_per_axial: Scalar = computed("1")
+    normal_per_axial: Annotated[Scalar, In("1")]
 
 
 def _rounded(flanks: FlankGap, edge_radius: Scalar) -> Float[Array, "nx ny"]:

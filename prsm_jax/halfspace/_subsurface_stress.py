@@ -2,6 +2,7 @@
 
 import functools
 import operator
+from typing import Annotated
 
 import jax
 import jax.numpy as jnp
@@ -9,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..contact import von_mises_stress
-from ..fields import Scalar, computed
+from ..fields import In, Scalar
 from ..programs import mapped, physics
 from ..results import Result, lines_of
 from ..text import Line
@@ -26,7 +27,7 @@ class SubsurfaceStress(Result):
 
     grid: Grid
     #: [m].
-    depths: Float[Array, "depths"] = computed("m")
+    depths: Annotated[Float[Array, "depths"], In("m")]
     #: Axes x, y of the grid, z into the body [Pa].
     tensor: Float[Array, "depths nx ny 3 3"]
 

@@ -1,11 +1,12 @@
 """Contact of two elastic bodies with any gap, as half-spaces."""
 
 import dataclasses
+from typing import Annotated
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..fields import Scalar, computed, old_name
+from ..fields import In, Scalar, old_name
 from ..programs import physics
 from ..results import Result, lines_of, outcome
 from ..text import Line
@@ -43,17 +44,17 @@ class SurfaceContact(Result):
     #: Gap between the deformed surfaces [m].
     separation: Float[Array, "nx ny"]
     #: Approach of the two bodies δ [m].
-    approach: Scalar = computed("m")
+    approach: Annotated[Scalar, In("m")]
     #: Normal force F [N].
-    load: Scalar = computed("N")
+    load: Annotated[Scalar, In("N")]
     #: Largest pressure, between the cells' centres [Pa].
-    max_pressure: Scalar = computed("Pa")
+    max_pressure: Annotated[Scalar, In("Pa")]
     #: Area in contact [m²].
-    area: Scalar = computed("m²")
+    area: Annotated[Scalar, In("m²")]
     #: Total number of steps on all grids.
-    iterations: Int[Array, ""] = computed("1")
+    iterations: Annotated[Int[Array, ""], In("1")]
     #: Largest violation of the contact conditions over the largest displacement.
-    residual: Scalar = computed("1")
+    residual: Annotated[Scalar, In("1")]
     #: One of `RESULTS`; 0 is success.
     code: Int[Array, ""]
 

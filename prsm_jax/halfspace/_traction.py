@@ -1,9 +1,11 @@
 """Tangential traction by Coulomb's law: full sliding, and partial slip."""
 
+from typing import Annotated
+
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..fields import Scalar, computed
+from ..fields import In, Scalar
 from ..programs import physics
 from ..results import Result
 from ._surface_contact import SurfaceContact, solve_contact
@@ -30,11 +32,11 @@ class PartialSlip(Result):
     #: Cells in contact that slip.
     slip: Bool[Array, "nx ny"]
     #: Tangential force, at most μ F [N].
-    force: Scalar = computed("N")
+    force: Annotated[Scalar, In("N")]
     #: Whether the whole contact slides: the given force is μ F or more.
-    sliding: Bool[Array, ""] = computed("1")
+    sliding: Annotated[Bool[Array, ""], In("1")]
     #: Approach minus that under the load F* of the stick zone, δ(F) − δ(F*) [m].
-    approach_difference: Scalar = computed("m")
+    approach_difference: Annotated[Scalar, In("m")]
     #: Result code of the second contact, one of `RESULTS`; 3 if no cell sticks.
     code: Array
 

@@ -1,7 +1,7 @@
 """How one stage shares its load: threads, rollers, pressures, stiffness of the nut."""
 
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import equinox as eqx
 import jax
@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..contact import StageContact, load_of
-from ..fields import Scalar, computed
+from ..fields import In, Scalar
 from ..geometry import Meshing
 from ..mechanism import Mechanism, Stage, of_one_design, stage_at
 from ..programs import mapped
@@ -39,19 +39,19 @@ class LoadDistribution(Result):
 
     screw: SideLoads
     nut: SideLoads
-    load: Scalar = computed("N")
+    load: Annotated[Scalar, In("N")]
     #: Travel of screw towards nut from where nominal forward flanks touch, at their ends [m]. With
     #: play, errors or preload it is not 0 without a load: see `elastic`.
-    deflection: Scalar = computed("m")
+    deflection: Annotated[Scalar, In("m")]
     #: Tangent stiffness between screw and nut dF/dx, shafts and teeth included [N/m]; `None` where
     #: it was not computed (see `tangent_stiffness`).
-    tangent_stiffness: Scalar | None = computed("N/m")
+    tangent_stiffness: Annotated[Scalar | None, In("N/m")]
     #: Force in the spacer of a split nut [N]; `None` for a nut in one piece.
-    spacer_force: Scalar | None = computed("N")
+    spacer_force: Annotated[Scalar | None, In("N")]
     chains: Chains
     equilibrium: Equilibrium
     #: Whether threads mesh and the balance converged; else loads and deflections are NaN.
-    converged: Bool[Array, ""] = computed("1")
+    converged: Annotated[Bool[Array, ""], In("1")]
     #: Numbers of the rollers of each class, from 1.
     rollers: tuple[tuple[int, ...], ...] = eqx.field(static=True)
 

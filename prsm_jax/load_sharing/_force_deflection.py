@@ -1,6 +1,7 @@
 """The force–deflection curve of a nut, with its backlash or preload."""
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import equinox as eqx
 import jax
@@ -8,7 +9,7 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
 
-from ..fields import computed
+from ..fields import In
 from ..mechanism import Mechanism, Stage, of_one_design, stage_at
 from ..results import Result
 from ._chains import Control
@@ -20,15 +21,15 @@ class ForceDeflection(Result):
     """Axial load over deflection of one stage, point by point."""
 
     #: [N]
-    load: Float[Array, " points"] = computed("N")
+    load: Annotated[Float[Array, " points"], In("N")]
     #: Travel of screw towards nut from where nominal forward flanks touch, with play and the
     #: shift by the preload [m].
-    deflection: Float[Array, " points"] = computed("m")
+    deflection: Annotated[Float[Array, " points"], In("m")]
     #: dF/dx [N/m].
-    tangent_stiffness: Float[Array, " points"] = computed("N/m")
+    tangent_stiffness: Annotated[Float[Array, " points"], In("N/m")]
     #: Elastic energy stored in contacts, teeth and shafts [J].
-    stored_energy: Float[Array, " points"] = computed("J")
-    converged: Bool[Array, " points"] = computed("1")
+    stored_energy: Annotated[Float[Array, " points"], In("J")]
+    converged: Annotated[Bool[Array, " points"], In("1")]
 
     @property
     def batch_shape(self) -> tuple[int, ...]:

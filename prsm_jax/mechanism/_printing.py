@@ -75,7 +75,7 @@ def _out_of_range(stages: tuple[Any, ...]) -> list[str]:
     for stage in stages:
         for one in declared(type(stage.thread)):
             value = getattr(stage.thread, one.name)
-            known = [] if value is None else np.ravel(value)
+            known = [] if value is None else np.ravel(value).tolist()
             if any(not one.limit.admits(x) and x == x for x in known):
                 names.append(one.name.replace("_", " "))
     return list(dict.fromkeys(names))

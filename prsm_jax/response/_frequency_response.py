@@ -1,14 +1,14 @@
 """Frequency response functions between two degrees of freedom of one stage."""
 
 from collections.abc import Sequence
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..fields import Scalar, computed
+from ..fields import In, Scalar
 from ..mechanism import DampingLaw, Mechanism, of_one_design, stage_at
 from ..results import Result, lines_of
 from ..text import Line
@@ -34,7 +34,7 @@ class FrequencyResponse(Result):
     """
 
     #: [Hz].
-    frequency: Float[Array, " frequencies"] = computed("Hz")
+    frequency: Annotated[Float[Array, " frequencies"], In("Hz")]
     #: In the unit of `kind`; infinite at a pole.
     value: Complex[Array, " frequencies"]
     #: Whether the system is driven at a pole, where no steady amplitude exists.

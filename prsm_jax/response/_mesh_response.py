@@ -1,7 +1,7 @@
 """Vibration excited by the contacts: amplitudes and dynamic forces over screw speed."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import equinox as eqx
 import jax
@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..fields import Scalar, computed
+from ..fields import In, Scalar
 from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import physics
 from ..results import Result
@@ -39,14 +39,14 @@ class MeshResponse(Result):
     """
 
     #: Screw speed [rad/s].
-    speed: Float[Array, " speeds"] = computed("rad/s")
+    speed: Annotated[Float[Array, " speeds"], In("rad/s")]
     #: Frequency of the excitation [Hz].
-    frequency: Float[Array, " speeds"] = computed("Hz")
+    frequency: Annotated[Float[Array, " speeds"], In("Hz")]
     #: Amplitude of every coordinate [m]; rotations as u = r θ.
-    displacement: Complex[Array, "speeds coordinates"] = computed("m")
+    displacement: Annotated[Complex[Array, "speeds coordinates"], In("m")]
     #: Force in every spring, positive in tension; in contacts from elongation minus error [N].
-    spring_force: Complex[Array, "speeds springs"] = computed("N")
-    at_pole: Bool[Array, " speeds"] = computed("1")
+    spring_force: Annotated[Complex[Array, "speeds springs"], In("N")]
+    at_pole: Annotated[Bool[Array, " speeds"], In("1")]
     coordinates: tuple[Coordinate, ...] = eqx.field(static=True)
     springs: tuple[Spring, ...] = eqx.field(static=True)
 

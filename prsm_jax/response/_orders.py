@@ -8,7 +8,7 @@ in a section that is at rest in space: rotation and advance of the threads cance
 rollers this section turns at κ, although the screw itself turns at 1 − κ.
 """
 
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -22,7 +22,7 @@ from ..dynamics import (
     ideal_carrier_ratio,
     steady_state,
 )
-from ..fields import Scalar, computed, plain
+from ..fields import In, Scalar, plain
 from ..mechanism import Mechanism, Stage, stage_at
 from ..programs import physics
 from ..results import Result, lines_of
@@ -39,9 +39,9 @@ class ExcitationOrder(Result):
     """
 
     #: Periods per turn of the screw.
-    order: Scalar = computed("1")
+    order: Annotated[Scalar, In("1")]
     #: Periods of the pattern around the screw; they give the phases of the rollers.
-    lobes: Scalar = computed("1")
+    lobes: Annotated[Scalar, In("1")]
     name: str = eqx.field(static=True)
     #: Contacts on which it acts.
     springs: tuple[str, ...] = eqx.field(static=True)

@@ -18,6 +18,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 
 from ..fields import Count
 
@@ -72,7 +73,7 @@ def _inner(place: str, name: object) -> str:
 
 
 def _array(value: Any, place: str, arrays: dict[str, np.ndarray]) -> dict[str, Any]:
-    if isinstance(value, jax.core.Tracer):
+    if isinstance(value, Tracer):
         raise NotKept(f"{place} is traced: save results outside of jax.jit, jax.vmap and jax.grad")
     array = np.asarray(value)
     if array.dtype.kind not in KINDS or not array.dtype.isnative:
@@ -140,9 +141,9 @@ def decode(written: Any, arrays: Mapping[str, np.ndarray]) -> Any:
             raise NotKept("its header is damaged")
 
 
-def _made(cls: type, fields: dict[str, Any]) -> Any:
+def _made(cls: Any, fields: dict[str, Any]) -> Any:
     """An object with these fields; its constructor does not run, nor do its checks."""
-    named = tuple(f.name for f in dataclasses.fields(cls)) if _is_dataclass(cls) else cls._fields  # pyright: ignore
+    named = tuple(f.name for f in dataclasses.fields(cls)) if _is_dataclass(cls) else cls._fields
     if set(named) != set(fields):
         other = ", ".join(sorted(set(named) ^ set(fields)))
         raise NotKept(f"its {cls.__name__} has other fields than in this version: {other}")
@@ -154,7 +155,7 @@ def _made(cls: type, fields: dict[str, Any]) -> Any:
     return one
 
 
-def _is_dataclass(cls: type) -> bool:
+def _is_dataclass(cls: Any) -> bool:
     return dataclasses.is_dataclass(cls)
 
 

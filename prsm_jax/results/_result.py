@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import jax
 import numpy as np
 
-from ..fields import declared, members
+from ..fields import declared, members, units_of
 from ..programs import AbstractResult, is_known
 from ..text import Line, aligned, html_table
 from ._charts import draw
@@ -46,7 +46,7 @@ class Shown:
 
 
 class Result(Shown, AbstractResult):
-    """A result whose fields declare their units (`prsm_jax.fields.computed`), and that prints them.
+    """A result whose fields declare their units (`prsm_jax.fields.In`), and that prints them.
 
     `print` shows the numbers of one design, or the smallest and the largest of a batch of designs;
     inside a trace, where there are no numbers, names and shapes. Nothing is compiled for it.
@@ -55,11 +55,12 @@ class Result(Shown, AbstractResult):
     @property
     def batch_shape(self) -> tuple[int, ...]:
         """Axes of the batch of designs in front of all arrays; empty for a single design."""
+        units = units_of(type(self))
         for one in declared(type(self)):
             value = getattr(self, one.name)
             if isinstance(value, Result):
                 return value.batch_shape
-            if one.unit is not None and value is not None and not isinstance(value, dict):
+            if one.name in units and value is not None and not isinstance(value, dict):
                 # The shape of one design is in the annotation: `Float[Array, " stages"]`.
                 shapes = [hint.dim_str.split() for hint in members(one.hint) if _has_shape(hint)]
                 own = len(shapes[0]) if shapes else 0
@@ -99,17 +100,19 @@ def lines_of(result: Any, prefix: str = "") -> Iterator[Line]:
     - `result`: the result.
     - `prefix`: in front of each label.
     """
-    for one in declared(type(result)):
-        value, label = getattr(result, one.name), prefix + one.name.replace("_", " ")
+    units = units_of(type(result))
+    for field in dataclasses.fields(result):
+        name, unit = field.name, units.get(field.name)
+        value, label = getattr(result, name), prefix + name.replace("_", " ")
         if isinstance(value, Result):
             yield from lines_of(value, f"{label}: ")
-        elif one.unit is None or value is None:
+        elif unit is None or value is None:
             continue
         elif isinstance(value, dict):
-            for name, part in value.items():
-                yield Line(f"{label}: {name.replace('_', ' ')}", part, one.unit, one.name)
+            for key, part in value.items():
+                yield Line(f"{label}: {key.replace('_', ' ')}", part, unit, name)
         else:
-            yield Line(label, value, one.unit, one.name)
+            yield Line(label, value, unit, name)
 
 
 def printed(

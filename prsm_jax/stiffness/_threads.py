@@ -1,6 +1,7 @@
 """Thread contact stiffness of one roller: given, or from contacts that share the load."""
 
 from collections.abc import Callable
+from typing import Annotated
 
 import jax
 import jax.numpy as jnp
@@ -8,7 +9,7 @@ from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
 from ..contact import StageContact, ThreadContactSide, stage_contact
-from ..fields import Scalar, computed
+from ..fields import In, Scalar
 from ..geometry import Meshing
 from ..load_sharing import LoadDistribution, SideLoads, stage_load_distribution
 from ..mechanism import Stage, total_factor
@@ -19,12 +20,12 @@ from ..results import Result
 class ThreadStiffness(Result):
     """Thread contact stiffness of one roller, all its engaged threads in parallel [N/m]."""
 
-    screw_roller: Scalar = computed("N/m")
-    nut_roller: Scalar = computed("N/m")
+    screw_roller: Annotated[Scalar, In("N/m")]
+    nut_roller: Annotated[Scalar, In("N/m")]
     #: Of each roller present, if a load distribution has unlike rollers; no further factor then
     #: applies, and `screw_roller` and `nut_roller` are those of its first class.
-    screw_each: Float[Array, " rollers"] | None = computed("N/m", default=None)
-    nut_each: Float[Array, " rollers"] | None = computed("N/m", default=None)
+    screw_each: Annotated[Float[Array, " rollers"] | None, In("N/m")] = None
+    nut_each: Annotated[Float[Array, " rollers"] | None, In("N/m")] = None
 
 
 def loaded_threads(

@@ -1,9 +1,11 @@
 """Rating life: in turns of the screw, with a load spectrum on one or both flanks."""
 
+from typing import Annotated
+
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..fields import Scalar, computed
+from ..fields import In, Scalar
 from ..mechanism import Stage, of_one_design
 from ..numerics import above_or_nan
 from ..programs import physics
@@ -20,11 +22,11 @@ class RatingLife(Result):
     """Basic rating life of one stage, for a survival of 90 %; ∞ without load."""
 
     #: Turns of the screw.
-    revolutions: Scalar = computed("1")
+    revolutions: Annotated[Scalar, In("1")]
     #: Operating time, standstill included [s].
-    time: Scalar = computed("s")
+    time: Annotated[Scalar, In("s")]
     #: Travel of the nut, the sum of both directions [m].
-    distance: Scalar = computed("m")
+    distance: Annotated[Scalar, In("m")]
 
 
 def basic_life(capacity: Scalar, load: Scalar) -> Scalar:

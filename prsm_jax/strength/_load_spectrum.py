@@ -1,6 +1,6 @@
 """Load spectrum: loads with the angle of rotation and the duration of each."""
 
-from typing import Protocol, runtime_checkable
+from typing import Annotated, Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
-from ..fields import Scalar, computed
+from ..fields import In, Scalar
 from ..mechanism import DutyCycle, Mechanism
 from ..numerics import above_or_nan
 from ..results import Result, lines_of
@@ -20,11 +20,11 @@ class LoadSpectrum(Result):
     """Phases of constant load and speed, in any order."""
 
     #: Axial load; its sign gives the flank [N].
-    load: Float[Array, " phases"] = computed("N")
+    load: Annotated[Float[Array, " phases"], In("N")]
     #: Angle that the screw turns through in each phase, the sum of both directions [rad].
-    turned_angle: Float[Array, " phases"] = computed("rad")
+    turned_angle: Annotated[Float[Array, " phases"], In("rad")]
     #: [s]
-    duration: Float[Array, " phases"] = computed("s")
+    duration: Annotated[Float[Array, " phases"], In("s")]
 
     def lines(self) -> list[Line]:
         """What `print` shows."""

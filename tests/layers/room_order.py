@@ -43,6 +43,7 @@ _PHYSICS = LAYERS["findings"] | {"findings"}
 LAYERS["sensitivities"] = LAYERS["optimisation"] = LAYERS["sweeps"] = _PHYSICS
 LAYERS["uncertainty"] = _PHYSICS
 LAYERS["calibration"] = LAYERS["explanation"] = _PHYSICS | {"file"}
+LAYERS["dimensioning"] = _PHYSICS | {"catalogue_sizes"}
 LAYERS["validation"] = _PHYSICS | {"file", "catalogue_sizes"}
 LAYERS["studies"] = _PHYSICS | {"sensitivities", "optimisation", "sweeps", "explanation", "file"}
 LAYERS["report"] = _PHYSICS | {

@@ -1,12 +1,12 @@
 """Elliptical Hertz contact: pressure, semi-axes, approach and stiffness."""
 
 from collections.abc import Callable
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import jax
 import jax.numpy as jnp
 
-from ...fields import Scalar, computed
+from ...fields import In, Scalar
 from ...mechanism import Material
 from ...numerics import above_or_nan
 from ...programs import physics
@@ -29,15 +29,15 @@ _LEAST_CUBE = 1e-140
 class HertzContact(Result):
     """Result of an elliptical Hertz contact under a normal force."""
 
-    semi_major: Scalar = computed("m")
-    semi_minor: Scalar = computed("m")
-    max_pressure: Scalar = computed("Pa")
+    semi_major: Annotated[Scalar, In("m")]
+    semi_minor: Annotated[Scalar, In("m")]
+    max_pressure: Annotated[Scalar, In("Pa")]
     #: Normal approach of the two bodies δ [m].
-    approach: Scalar = computed("m")
+    approach: Annotated[Scalar, In("m")]
     #: Secant stiffness F/δ [N/m].
-    stiffness: Scalar = computed("N/m")
+    stiffness: Annotated[Scalar, In("N/m")]
     #: Tangent stiffness dF/dδ = 3/2 F/δ [N/m].
-    stiffness_tangent: Scalar = computed("N/m")
+    stiffness_tangent: Annotated[Scalar, In("N/m")]
     #: Complete elliptic integral of the second kind E(1 − κ²), used by the spin moment.
     second_elliptic_integral: Scalar
 

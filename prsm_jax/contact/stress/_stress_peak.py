@@ -1,13 +1,13 @@
 """Largest stress below an elliptical Hertz contact, and its position."""
 
 from collections.abc import Callable
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...fields import Scalar, computed
+from ...fields import In, Scalar
 from ...numerics import above_or_nan, solve
 from ...programs import physics
 from ...results import Result
@@ -46,9 +46,9 @@ class StressPeak(Result):
     """Largest value of a stress measure, and its position."""
 
     #: [Pa]
-    value: Scalar = computed("Pa")
+    value: Annotated[Scalar, In("Pa")]
     #: (x, y, z) in the coordinates of the contact, z into the body [m].
-    position: Float[Array, "3"] = computed("m")
+    position: Annotated[Float[Array, "3"], In("m")]
 
     @property
     def depth(self) -> Scalar:

@@ -3,14 +3,14 @@
 import dataclasses
 import functools
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ...fields import Scalar, computed
+from ...fields import In, Scalar
 from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, body_inertia, body_mass
 from ...numerics import any_few, over_samples, sum_few
@@ -62,17 +62,17 @@ _OVERLAPPING, _IMPOSSIBLE, _NOT_FINITE, _NO_DURATION = 9, 10, 11, 12
 class SolverReport(Result):
     """How the integration went."""
 
-    steps: Int[Array, ""] = computed("1")
-    rejected: Int[Array, ""] = computed("1")
+    steps: Annotated[Int[Array, ""], In("1")]
+    rejected: Annotated[Int[Array, ""], In("1")]
     #: 0 when successful; see `result`.
     code: Int[Array, ""]
     name: str = eqx.field(static=True)
     #: Largest error of the carrier ratio by terms that the method neglects, after settling; under a
     #: prescribed torque, error of the screw speed over the largest screw speed. `None` if no terms
     #: are neglected.
-    error_estimate: Scalar | None = computed("1", default=None)
+    error_estimate: Annotated[Scalar | None, In("1")] = None
     #: Longest time constant in which carriers settle, where the method neglects settling [s].
-    time_constant: Scalar | None = computed("s", default=None)
+    time_constant: Annotated[Scalar | None, In("s")] = None
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
@@ -130,29 +130,29 @@ class Phase(eqx.Module):
 class Transient(Result):
     """Time histories; stage × time where a stage is concerned."""
 
-    time: Float[Array, " times"] = computed("s")
-    screw_speed: Float[Array, " times"] = computed("rad/s")
-    carrier_speed: Float[Array, "stages times"] = computed("rad/s")
+    time: Annotated[Float[Array, " times"], In("s")]
+    screw_speed: Annotated[Float[Array, " times"], In("rad/s")]
+    carrier_speed: Annotated[Float[Array, "stages times"], In("rad/s")]
     #: ω/Ω; 0 while the screw stands still.
-    carrier_ratio: Float[Array, "stages times"] = computed("1")
+    carrier_ratio: Annotated[Float[Array, "stages times"], In("1")]
     efficiency: Float[Array, " times"]
-    drive_torque: Float[Array, " times"] = computed("N·m")
-    contact_force: Float[Array, "stages times"] = computed("N")
-    screw_roller_axial_force: Float[Array, "stages times"] = computed("N")
-    ring_gear_force: Float[Array, "stages times"] = computed("N")
-    carrier_force: Float[Array, "stages times"] = computed("N")
-    spline_friction: Float[Array, "stages times"] = computed("N")
+    drive_torque: Annotated[Float[Array, " times"], In("N·m")]
+    contact_force: Annotated[Float[Array, "stages times"], In("N")]
+    screw_roller_axial_force: Annotated[Float[Array, "stages times"], In("N")]
+    ring_gear_force: Annotated[Float[Array, "stages times"], In("N")]
+    carrier_force: Annotated[Float[Array, "stages times"], In("N")]
+    spline_friction: Annotated[Float[Array, "stages times"], In("N")]
     stage_torque: Float[Array, "stages times"]
     #: Power of each modelled loss [W].
-    losses: dict[str, Float[Array, " times"]] = computed("W")
+    losses: Annotated[dict[str, Float[Array, " times"]], In("W")]
     #: |drive − load − losses − rates of kinetic and bristle energy| over the largest power.
-    power_balance_residual: Float[Array, " times"] = computed("1")
+    power_balance_residual: Annotated[Float[Array, " times"], In("1")]
     #: Moment balance of the rollers about their axes, relative: Newton against Lagrange.
     newton_residual: Float[Array, "stages times"]
     #: Acceleration of the carriers ω̇ [rad/s²].
     carrier_acceleration: Float[Array, "stages times"]
     #: Load on the last nut [N].
-    load: Float[Array, " times"] = computed("N")
+    load: Annotated[Float[Array, " times"], In("N")]
     #: Unit vector of the slip of the screw over the roller, in the carrier's frame: radial,
     #: tangential, axial; without slip that of impending motion, if any.
     slip_direction: Float[Array, "stages times 3"]
@@ -160,14 +160,14 @@ class Transient(Result):
     #: Ω̇ [rad/s²]; `None` for a constant speed.
     screw_acceleration: Float[Array, " times"] | None = None
     #: Power that the load absorbs [W].
-    load_power: Float[Array, " times"] | None = computed("W", default=None)
+    load_power: Annotated[Float[Array, " times"] | None, In("W")] = None
     #: Rate at which bristles between the threads store energy [W]; `None` without such a law.
     bristle_power: Float[Array, " times"] | None = None
     #: Deflection of the bristles, in the carrier's frame [m]; 0 in stages without bristles.
     bristle_deflection: Float[Array, "stages times 3"] | None = None
     #: Travel of the last nut from its start [m], and whether the mechanism sticks; only under a
     #: prescribed torque.
-    position: Float[Array, " times"] | None = computed("m", default=None)
+    position: Annotated[Float[Array, " times"] | None, In("m")] = None
     sticking: Bool[Array, " times"] | None = None
     #: Phases of turning and sticking, under a prescribed torque.
     phases: Phase | None = None

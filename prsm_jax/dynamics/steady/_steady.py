@@ -1,13 +1,14 @@
 """Steady state, without integration."""
 
 import dataclasses
+from typing import Annotated
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ...contact import load_of, speed_of
-from ...fields import Scalar, computed
+from ...fields import In, Scalar
 from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, of_one_design
 from ...numerics import above_or_nan, apart, length_few, sum_few
@@ -75,33 +76,33 @@ class SteadyState(Result):
     drives, and that of the screw when the load drives it back (then negative if self-locking).
     """
 
-    efficiency: Scalar = computed("1")
+    efficiency: Annotated[Scalar, In("1")]
     #: Screw speed [rad/s].
-    screw_speed: Scalar = computed("rad/s")
+    screw_speed: Annotated[Scalar, In("rad/s")]
     #: ω/Ω of each stage.
-    carrier_ratio: Float[Array, " stages"] = computed("1")
+    carrier_ratio: Annotated[Float[Array, " stages"], In("1")]
     #: Torque at the first screw [N·m].
-    drive_torque: Scalar = computed("N·m")
+    drive_torque: Annotated[Scalar, In("N·m")]
     #: Normal force of the screw on one roller, all its threads together [N].
-    contact_force: Float[Array, " stages"] = computed("N")
+    contact_force: Annotated[Float[Array, " stages"], In("N")]
     #: Axial part of it [N].
-    screw_roller_axial_force: Float[Array, " stages"] = computed("N")
+    screw_roller_axial_force: Annotated[Float[Array, " stages"], In("N")]
     #: Load on each nut [N].
-    nut_load: Float[Array, " stages"] = computed("N")
+    nut_load: Annotated[Float[Array, " stages"], In("N")]
     #: Slip speed of the screw over the roller [m/s].
-    slip_speed: Float[Array, " stages"] = computed("m/s")
+    slip_speed: Annotated[Float[Array, " stages"], In("m/s")]
     #: Unit vector of the slip of the screw over the roller, in the carrier's frame: radial,
     #: tangential, axial; at standstill that of impending motion.
     slip_direction: Float[Array, "stages 3"]
-    ring_gear_force: Float[Array, " stages"] = computed("N")
-    carrier_force: Float[Array, " stages"] = computed("N")
-    spline_friction: Float[Array, " stages"] = computed("N")
+    ring_gear_force: Annotated[Float[Array, " stages"], In("N")]
+    carrier_force: Annotated[Float[Array, " stages"], In("N")]
+    spline_friction: Annotated[Float[Array, " stages"], In("N")]
     #: Power of each modelled loss [W].
-    losses: dict[str, Scalar] = computed("W")
-    input_power: Scalar = computed("W")
-    output_power: Scalar = computed("W")
+    losses: Annotated[dict[str, Scalar], In("W")]
+    input_power: Annotated[Scalar, In("W")]
+    output_power: Annotated[Scalar, In("W")]
     #: |input − output − losses| / input.
-    power_balance_residual: Scalar = computed("1")
+    power_balance_residual: Annotated[Scalar, In("1")]
     #: False where the meshing has no solution, a thread jams, the carrier cannot turn, no such
     #: mechanism can be built (a dimension out of range, rollers that overlap), or a number here is
     #: NaN or infinite.

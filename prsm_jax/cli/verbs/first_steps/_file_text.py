@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from ....dimensioning import Dimensioning
+from ....dimensioning import Dimensioning, nut_outer_diameter
 from ....file import commented, rounded
 from ....text import Line
 
@@ -67,11 +67,11 @@ def _chosen(found: Dimensioning, asked: Mapping[str, str]) -> dict[str, str]:
     # The margins are over twice the load, and over 0.8 of the critical speed.
     buckling, static = 2 * margin["buckling"], 2 * margin["static_safety"]
     critical = 0.8 / margin["critical_speed"]
-    outer = 2 * float(stage.thread.starts * stage.thread.roller_radius + stage.nut.wall_thickness)
+    outer = nut_outer_diameter(stage)
     nut = _shown(float(stage.nut.length), "m")  # pyright: ignore[reportArgumentType]
     return {
         "operating_point.speed": f"{asked['speed']} of the nut at this lead",
-        "stage.thread.lead": "smallest of this diameter that keeps all limits: least torque",
+        "stage.thread.lead": "smallest whose contacts stay on the flanks, if any does",
         "stage.thread.roller_radius": f"screw of {diameter:g} mm, as in the catalogue",
         "stage.nut.wall_thickness": (
             f"outer diameter {_shown(outer, 'm')}, in a bore of {asked['envelope']}"
