@@ -25,7 +25,7 @@ _LEAST = 0.1
 #: Words for the limits.
 _WORDS = {
     "envelope": "bore over diameter of the nut",
-    "life": "rating life over required life",
+    "life": "life by dynamic capacity over required life",
     "static_safety": "static capacity over twice the load",
     "buckling": "buckling load over twice the load",
     "critical_speed": "0.8 of the critical speed over speed",
@@ -95,12 +95,13 @@ def dimension(
 
     Sizes are those of `prsm_jax.catalogue_sizes`, with the capacities, the buckling load and the
     critical speed of their mechanisms. A size fits if the nut fits into the envelope, its rating
-    life is as long as required, its static capacity and its buckling load are twice the load or
-    more, the screw turns at no more than 0.8 of its critical speed, and its DN value is 100,000 mm
-    rpm or less (grease). The screw is fixed at one end and supported at the other; between the
-    bearings it is longer than stroke and nut by two diameters. Of the sizes that fit, the one with
-    the smallest nut is taken; of its leads those whose contact ellipses stay on the flanks under
-    the load, if there are any, and of these the smallest, which needs the least torque.
+    life by the dynamic capacity is as long as required (truncated contacts last longer under lower
+    loads), its static capacity and its buckling load are twice the load or more, the screw turns at
+    no more than 0.8 of its critical speed, and its DN value is 100,000 mm rpm or less (grease). The
+    screw is fixed at one end and supported at the other; between the bearings it is longer than
+    stroke and nut by two diameters. Of the sizes that fit, the one with the smallest nut is taken;
+    of its leads those whose contact ellipses stay on the flanks under the load, if there are any,
+    and of these the smallest, which needs the least torque.
 
     **Arguments:**
 

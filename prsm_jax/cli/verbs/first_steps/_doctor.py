@@ -130,9 +130,9 @@ def _cache(problems: list[str]) -> dict[str, Any]:
 
     named = os.environ.get("PRSM_JAX_CACHE")
     folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
+    if named == "":
+        return {"folder": None, "files": 0, "size_bytes": 0}
     if not folder:
-        if named == "":
-            return {"folder": None, "files": 0, "size_bytes": 0}
         # The command line has said why on stderr.
         problems.append("compiled programs cannot be kept; PRSM_JAX_CACHE names the folder")
         return {"folder": None, "files": 0, "size_bytes": 0}
@@ -145,7 +145,8 @@ def _tables(results: dict[str, Any]) -> list[TextTable]:
     devices = ", ".join(f"{one['kind']} ({one['platform']})" for one in results["devices"])
     kept = "not kept"
     if cache["folder"]:
-        kept = f"{cache['folder']} ({cache['files']} files, {cache['size_bytes'] / 1e6:.1f} MB)"
+        count = f"{cache['files']} file{'s' * (cache['files'] != 1)}"
+        kept = f"{cache['folder']} ({count}, {cache['size_bytes'] / 1e6:.1f} MB)"
     rows = [
         ("prsm_jax", results["prsm_jax"]),
         ("Python", results["python"]),

@@ -78,7 +78,7 @@ def _chosen(found: Dimensioning, asked: Mapping[str, str]) -> dict[str, str]:
         ),
         "stage.nut.length": f"static capacity {static:.3g} times the load",
         "stage.strength.required_life": (
-            f"as required; the rating life is {margin['life']:.3g} times as long"
+            f"as required; by the dynamic capacity it is {margin['life']:.3g} times as long"
         ),
         "stage.strength.shaft.unsupported_length": (
             f"stroke {asked['stroke']}, nut {nut}, two diameters; {100 * critical:.3g} % of the "
