@@ -233,13 +233,14 @@ def test_new_asks_for_what_is_not_given_until_it_can_be_read(asked, monkeypatch,
     typed = ("10 kN", "300", "300 mm", "0 mm/s", "100 mm/s", "500 km", "80 mm")
     monkeypatch.setattr(_questions.sys, "stdin", _Terminal(*typed))
     assert main(["new"]) == 1
-    # A bare number is in SI: 300 is 300 m. 500 km at 0.1 m/s take 5e6 s.
-    expected = {"load": 1e4, "stroke": 300.0, "speed": 0.1, "life": 5e6, "envelope": 0.08}
+    # 500 km at 0.1 m/s take 5e6 s.
+    expected = {"load": 1e4, "stroke": 0.3, "speed": 0.1, "life": 5e6, "envelope": 0.08}
     assert asked == [pytest.approx(expected, rel=1e-12)]
     words = capsys.readouterr().err
     assert words.count("Axial load on the nut (such as 10 kN): ") == 1
-    assert words.count("Largest speed of the nut (such as 100 mm/s): ") == 3
-    assert "wrong unit: a length where a speed is expected" in words
+    assert words.count("Largest speed of the nut (such as 100 mm/s): ") == 2
+    assert "a plain number where a length is expected; give it with its unit, such as 300" in words
+    assert "bare number" not in words
     assert "must be above 0 and finite" in words
 
 

@@ -1,14 +1,13 @@
 """The five questions of the verb new: options of the command, or asked on the terminal."""
 
 import contextlib
+import math
 import sys
 from dataclasses import dataclass
 
 from ...._errors import PrsmError
 from ....file import read_quantity
 from ..._progress import clear
-
-_UNIT_OF_TIME, _UNIT_OF_LENGTH = "s", "m"
 
 
 @dataclass(frozen=True)
@@ -69,31 +68,35 @@ def _asked(question: Question, given: dict[str, str | None]) -> float:
         text = sys.stdin.readline()
         if not text:
             raise PrsmError(f"new: no answer for {question.name}; give --{question.name}")
-        with contextlib.suppress(EOFError):
-            try:
-                value = _read(question, text.strip(), given["speed"])
-            except ValueError as error:
-                print(f"  {error}", file=sys.stderr)
-                continue
-            given[question.name] = text.strip()
-            return value
+        try:
+            value = _read(question, text.strip(), given["speed"])
+        except ValueError as error:
+            print(f"  {error}", file=sys.stderr)
+            continue
+        given[question.name] = text.strip()
+        return value
 
 
 def _read(question: Question, text: str, speed: str | None) -> float:
     """An answer [SI]. **Raises:** `ValueError` with what to give."""
     try:
-        value = read_quantity(text, question.unit)
+        value = _value(question, text, speed)
+    except ValueError as error:
+        # A bare number would be in SI: 300 m of stroke in place of 300 mm.
+        reason = str(error).partition(";")[0]
+        raise ValueError(f"{reason}; give it with its unit, such as {question.example}") from error
+    if not 0 < value < math.inf:
+        raise ValueError(f"must be above 0 and finite; such as {question.example}")
+    return value
+
+
+def _value(question: Question, text: str, speed: str | None) -> float:
+    try:
+        return read_quantity(text, question.unit)
     except ValueError:
         if question.name != "life" or speed is None:
             raise
         # A travel: the time in which the nut makes it at its speed.
-        with contextlib.suppress(ValueError):
-            return _positive(read_quantity(text, "m") / read_quantity(speed, "m/s"))
+        with contextlib.suppress(ValueError, ZeroDivisionError):
+            return read_quantity(text, "m") / read_quantity(speed, "m/s")
         raise
-    return _positive(value)
-
-
-def _positive(value: float) -> float:
-    if not 0 < value < float("inf"):
-        raise ValueError("must be above 0 and finite")
-    return value
