@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from ..contact import von_mises_stress
 from ..fields import In, Scalar
 from ..programs import mapped, physics
-from ..results import Result, lines_of
+from ..results import DesignResult, lines_of
 from ..text import Line
 from ._convolution import field_of, influence, spectrum
 from ._grid import Grid
@@ -22,7 +22,7 @@ from ._rectangle_stress import pressure_stress, shear_stress
 _FULL = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
 
 
-class SubsurfaceStress(Result):
+class SubsurfaceStress(DesignResult):
     """Stress tensor below the cells' centres at some depths; tension is positive."""
 
     grid: Grid

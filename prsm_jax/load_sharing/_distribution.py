@@ -13,7 +13,7 @@ from ..fields import In, Scalar
 from ..geometry import Meshing
 from ..mechanism import Mechanism, Stage, of_one_design, stage_at
 from ..programs import mapped
-from ..results import Result
+from ..results import DesignResult
 from ._block_tridiagonal import control_column
 from ._chains import (
     Chains,
@@ -30,7 +30,7 @@ from ._stage_chains import StageChains, regularisation_of, regularised, sharing_
 from ._unloaded import ElasticDeflection, elastic_deflection
 
 
-class LoadDistribution(Result):
+class LoadDistribution(DesignResult):
     """How a stage shares an axial load among its threads and rollers.
 
     Threads count from the end of the nut where the screw's force enters. A positive load presses

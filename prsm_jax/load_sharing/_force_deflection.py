@@ -11,13 +11,13 @@ from jaxtyping import Array, Bool, Float
 
 from ..fields import In
 from ..mechanism import Mechanism, Stage, of_one_design, stage_at
-from ..results import Result
+from ..results import DesignResult
 from ._chains import Control
 from ._distribution import balanced
 from ._stage_chains import sharing_of, stage_chains
 
 
-class ForceDeflection(Result):
+class ForceDeflection(DesignResult):
     """Axial load over deflection of one stage, point by point."""
 
     #: [N]

@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool, Float
 from ..fields import In, Scalar
 from ..numerics import above_or_nan, cube_root_or_zero
 from ..programs import mapped
-from ..results import Result
+from ..results import DesignResult
 from ._chains import Flanks, Loads
 from ._stage_chains import StageChains
 
@@ -17,7 +17,7 @@ from ._stage_chains import StageChains
 _ZERO_FORCE = {True: 1e-9, False: 1e-3}
 
 
-class SideLoads(Result):
+class SideLoads(DesignResult):
     """Loads between rollers and screw, or rollers and nut; a row for each class of rollers."""
 
     #: Axial load on the flanks that a positive load presses [N].

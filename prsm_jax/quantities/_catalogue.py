@@ -40,8 +40,9 @@ class Quantity:
     shares: tuple[SharedLoad, ...] = ()
 
 
-#: A name from the catalogue, or a function of a mechanism that returns one number [SI].
-QuantityLike: TypeAlias = str | Callable[[Mechanism], Any]
+#: A name from the catalogue, or a function of a mechanism that returns one number [SI]; or one of
+#: an `Analysis` that is in the catalogue.
+QuantityLike: TypeAlias = str | Callable[..., Any]
 
 _CATALOGUE: dict[str, Quantity] = {}
 #: Functions of a mechanism that were given in place of a name; `catalogue` does not list them.

@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from ..fields import Scalar, plain
 from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import each, mapped, physics
-from ..results import Result
+from ..results import DesignResult
 from ..text import Line
 from ..vibration import RIGID_SHARE, Modes, stage_modes, stage_system
 from ._orders import ExcitationOrder, excitation_orders, find_order, phasing, working_carrier_ratio
@@ -39,7 +39,7 @@ class Crossing:
         return self.speed * 30 / np.pi
 
 
-class Campbell(Result):
+class Campbell(DesignResult):
     """Natural frequencies of one stage and the orders that may excite them.
 
     The frequencies do not change with the speed: rollers and screw turn too slowly for gyroscopic

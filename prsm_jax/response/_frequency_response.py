@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Complex, Float
 
 from ..fields import In, Scalar
 from ..mechanism import DampingLaw, Mechanism, of_one_design, stage_at
-from ..results import Result, lines_of
+from ..results import DesignResult, lines_of
 from ..text import Line
 from ..vibration import VibrationSystem, spring_network, stage_system
 from ._dissipation import AnyDamping, AsGiven, stage_damping
@@ -26,7 +26,7 @@ KINDS: dict[Kind, tuple[int, str]] = {
 }
 
 
-class FrequencyResponse(Result):
+class FrequencyResponse(DesignResult):
     """Complex amplitude at one degree of freedom per unit force at another.
 
     For a rotation the force is the torque over the nominal radius, and the displacement is

@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Complex, Float
 from ..fields import In, Scalar
 from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import physics
-from ..results import Result
+from ..results import DesignResult
 from ..vibration import (
     Coordinate,
     Spring,
@@ -32,7 +32,7 @@ from ._orders import (
 from ._receptance import Solver, harmonic_response, magnitude
 
 
-class MeshResponse(Result):
+class MeshResponse(DesignResult):
     """Steady vibration under one harmonic of an excitation in the contacts, by screw speed.
 
     Amplitudes are complex: the vibration is `Re(amplitude · e^{iωt})`. At a pole they are infinite.

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+import equinox as eqx
 import jax
 import numpy as np
 
@@ -45,7 +46,7 @@ class Shown:
         return draw(self, options)
 
 
-class Result(Shown, AbstractResult):
+class Result(Shown, eqx.Module):
     """A result whose fields declare their units (`prsm_jax.fields.In`), and that prints them.
 
     `print` shows the numbers of one design, or the smallest and the largest of a batch of designs;
@@ -82,6 +83,10 @@ class Result(Shown, AbstractResult):
 
     def _repr_html_(self) -> str:
         return html_table(*printed(self))
+
+
+class DesignResult(Result, AbstractResult):
+    """A `Result` whose properties, too, have the axes of a batch of designs in front."""
 
 
 def _short(text: str) -> str:

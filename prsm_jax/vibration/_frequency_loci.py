@@ -16,7 +16,7 @@ from ..geometry import mesh
 from ..load_sharing import LoadDistribution
 from ..mechanism import Mechanism, find_parameters, of_one_design, set_parameter, stage_at
 from ..programs import each
-from ..results import Result
+from ..results import DesignResult
 from ..stiffness import loaded_threads, thread_stiffness
 from ..text import Line
 from ._dense import stage_modes
@@ -44,7 +44,7 @@ class Veering:
     frequencies: tuple[float, float]
 
 
-class FrequencyLoci(Result):
+class FrequencyLoci(DesignResult):
     """Natural frequencies of one stage as curves over a parameter.
 
     In a symmetric stage each family has its own curves: curves of different families cross, curves

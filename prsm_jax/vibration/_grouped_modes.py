@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..programs import listed, mapped, one_program
-from ..results import Result
+from ..results import DesignResult
 from ..text import Line
 from ._spring_modes import RIGID_SHARE, clusters
 from .model import Coordinate, SpringNetwork, kinetic_energies, shares, strain_energies
@@ -42,7 +42,7 @@ def _ascending(groups: tuple[ModeGroup, ...]) -> Float[Array, " degrees"]:
     return jnp.where(jnp.isnan(ascending[-1]), jnp.nan, ascending)
 
 
-class GroupedModes(Result):
+class GroupedModes(DesignResult):
     """Natural frequencies in groups, and on request the mode shapes.
 
     `frequencies` lists all degrees of freedom in ascending order, repeated roots repeated;

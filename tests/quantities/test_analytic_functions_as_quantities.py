@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -124,7 +125,7 @@ def of_a_cell(analysis):
 
 
 def test_a_definition_that_is_run_again_replaces_the_first(forgotten):
-    scope = {"__name__": "cell"}
+    scope: dict[str, Any] = {"__name__": "cell"}
     exec("def again(m): return m.stages[0].thread.lead", scope)
     assert float(prsm_jax.compute(_MECHANISM, [scope["again"]])["again"]) == _LEAD
     assert not forgotten

@@ -15,7 +15,7 @@ from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, body_inertia, body_mass
 from ...numerics import any_few, over_samples, sum_few
 from ...programs import listed
-from ...results import Result, lines_of, outcome
+from ...results import DesignResult, lines_of, outcome
 from ...text import Line
 from .._kinematics import StageKinematics, travel_per_turn
 from ..forces import (
@@ -59,7 +59,7 @@ CANNOT_BE_BUILT, MEANS_NOTHING = 9, 11
 _OVERLAPPING, _IMPOSSIBLE, _NOT_FINITE, _NO_DURATION = 9, 10, 11, 12
 
 
-class SolverReport(Result):
+class SolverReport(DesignResult):
     """How the integration went."""
 
     steps: Annotated[Int[Array, ""], In("1")]
@@ -127,7 +127,7 @@ class Phase(eqx.Module):
     mode: Float[Array, " phases"]
 
 
-class Transient(Result):
+class Transient(DesignResult):
     """Time histories; stage × time where a stage is concerned."""
 
     time: Annotated[Float[Array, " times"], In("s")]

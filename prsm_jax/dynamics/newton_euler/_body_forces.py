@@ -12,7 +12,7 @@ from ...fields import In, Scalar
 from ...mechanism import Mechanism, of_one_design
 from ...numerics import length_few
 from ...programs import mapped, one_program
-from ...results import Result
+from ...results import DesignResult
 from .._kinematics import StageKinematics, travel_per_turn
 from ..forces import sense_of
 from ..friction import bearing_torque, drag_torque, spline_force, with_resistance
@@ -48,7 +48,7 @@ class Instant(eqx.Module):
     bristle_deflection: Float[Array, "*times stages 3"] | None = None
 
 
-class BodyForces(Result):
+class BodyForces(DesignResult):
     """Forces on every part; arrays run over the stages, then over times, then over directions.
 
     Vectors are in the frame that turns with the stage's carrier: radial (from the screw's axis

@@ -13,7 +13,7 @@ from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, of_one_design
 from ...numerics import above_or_nan, apart, length_few, sum_few
 from ...programs import listed, one_program, physics
-from ...results import Result, lines_of, outcome
+from ...results import DesignResult, lines_of, outcome
 from ...text import Line
 from .._kinematics import StageKinematics, stage_kinematics, travel_per_turn
 from ..forces import (
@@ -69,7 +69,7 @@ def steady_meaning(name: str) -> str:
     return _MEANINGS[STEADY_RESULTS.index(name)]
 
 
-class SteadyState(Result):
+class SteadyState(DesignResult):
     """Steady operating point of a mechanism; arrays run over the stages.
 
     `efficiency` is output power over input power. The output is that of the nut when the screw
