@@ -62,14 +62,16 @@ class GroupedModes(DesignResult):
 
     def lines(self) -> list[Line]:
         """What `print` shows: the distinct frequencies of each group; rigid motions have 0."""
-        highest = max(float(np.max(group.frequencies)) for group in self.groups)
+        every = np.concatenate([np.ravel(group.frequencies) for group in self.groups])
+        # NaN, of a design that cannot be computed, is no rigid motion.
+        highest = np.fmax.reduce(every, initial=0.0)
         lines: list[Line] = []
         rigid = 0
         for group in self.groups:
             numbers = np.asarray(group.frequencies)
             label = group.family.replace("_", " ")
             if not self.batch_shape:
-                moves = numbers > RIGID_SHARE * highest
+                moves = ~(numbers <= RIGID_SHARE * highest)
                 rigid += group.multiplicity * int(np.sum(~moves))
                 numbers = numbers[moves]
             if group.multiplicity > 1:

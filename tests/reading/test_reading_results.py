@@ -154,6 +154,13 @@ def test_frequencies_are_listed_by_family():
             assert float(to_si(float(word), label)) == pytest.approx(frequency, rel=6e-4)
 
 
+def test_frequencies_that_are_not_defined_are_no_rigid_motions():
+    modes = jax.tree.map(lambda leaf: leaf * jnp.nan, SCENES["modes"])
+    rows = _printed(modes)
+    assert "rigid motions" not in rows
+    assert all("not defined" in text for text in rows.values())
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_a_print_is_short_and_a_repr_is_one_line(name):
     lines = str(SCENES[name]).splitlines()

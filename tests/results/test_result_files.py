@@ -3,7 +3,10 @@
 import io
 import json
 import os
+import re
 import zipfile
+from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -256,6 +259,22 @@ def test_reading_imports_only_rooms_and_calls_no_constructor(tmp_path, monkeypat
     rooms = {f"prsm_jax.{room}" for room in _encoding._rooms()}
     assert imported
     assert set(imported) <= rooms
+
+
+def test_the_page_of_the_room_is_right(tmp_path, monkeypatch):
+    page = Path(__file__).parents[2] / "docs" / "api" / "results.md"
+    monkeypatch.chdir(tmp_path)
+    scope: dict[str, Any] = {"__name__": "page"}
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    for block in blocks:
+        exec(block, scope)
+    heating = scope["Heating"](jnp.asarray(12.5), jnp.asarray([3.0, 4.5]))
+    assert str(heating).splitlines() == [
+        "Heating",
+        "  power             12.50 W",
+        "  temperature rise  3.000, 4.500 K",
+    ]
+    assert [path.name for path in tmp_path.iterdir()] == ["steady.npz"]
 
 
 def test_a_result_that_was_read_can_be_computed_with(tmp_path):
