@@ -5,8 +5,9 @@ halfspace, load_sharing → strength, stiffness → vibration, dynamics → resp
 findings, sensitivities, optimisation, calibration, sweeps, uncertainty → studies → report. A
 mechanism holds laws of `friction` and a `scenario`. `validation` compares with published numbers,
 `explanation` lists the parts of a mechanism, `catalogue_sizes` builds mechanisms from a maker's
-table, `cli` is the command line. The lowest layer is `fields` (numbers with units and limits),
-`numerics` (methods), `programs` (how JAX compiles them), `text` and `process` (signals, files).
+table, `dimensioning` chooses one of them, `cli` is the command line. The lowest layer is `fields`
+(numbers with units and limits), `numerics` (methods), `programs` (how JAX compiles them), `text`,
+`process` (signals, files) and `results` (how results are printed and kept).
 """
 
 from . import process as process  # isort: skip # before JAX
@@ -26,6 +27,7 @@ from . import (
     mechanism as mechanism,
     quantities as quantities,
     response as response,
+    results as results,
     scenario as scenario,
     stiffness as stiffness,
     strength as strength,
@@ -76,6 +78,7 @@ from .response import (
     campbell as campbell,
     frequency_response as frequency_response,
 )
+from .results import load_result as load_result, save_result as save_result
 from .scenario import Scenario as Scenario, TorqueScenario as TorqueScenario
 from .vibration import (
     Modes as Modes,
@@ -87,6 +90,7 @@ if TYPE_CHECKING:
     from . import (
         calibration as calibration,
         catalogue_sizes as catalogue_sizes,
+        dimensioning as dimensioning,
         explanation as explanation,
         halfspace as halfspace,
         optimisation as optimisation,
@@ -114,6 +118,7 @@ else:
     _AT_FIRST_USE = {
         "calibration": "calibrate",
         "catalogue_sizes": "catalogue_mechanism",
+        "dimensioning": "",
         "explanation": "explain",
         "halfspace": "",
         "optimisation": "Optimum ParetoFront optimise pareto",

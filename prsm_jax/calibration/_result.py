@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..mechanism import Mechanism
+from ..results import Shown
 from ..text import NOT_DEFINED, TextTable, display_unit, trimmed
 
 #: Correlation from which a pair is named in the text.
@@ -102,8 +103,8 @@ class Undetermined:
         }
 
 
-@dataclass(frozen=True)
-class Calibration:
+@dataclass(frozen=True, repr=False)
+class Calibration(Shown):
     """Parameters that fit the measurements best; prints itself.
 
     `code` is `"converged"`, `"not_converged"` (the search stopped before its tolerance),

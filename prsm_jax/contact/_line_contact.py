@@ -1,16 +1,18 @@
 """Line contact of a ring with a screw by shape functions: slices side by side."""
 
-import equinox as eqx
+from typing import Annotated
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..geometry import contact_zone, fit_parabola, ring_vertex
 from ..mechanism import LineContact, Stage, material_of
 from ..numerics import above_or_nan, below_or_nan, find_root
 from ..programs import physics
+from ..results import Result
 from ._thread_contact import engaged_threads
 from .hertz import contact_modulus
 
@@ -20,15 +22,15 @@ _EDGES = 129
 Edges = Float[Array, " edges"]
 
 
-class SliceGeometry(eqx.Module):
+class SliceGeometry(Result):
     """Geometry of the slices of an unloaded line contact, at the edges of the slices."""
 
     #: Distance from the roller axis [m].
-    radius: Edges
+    radius: Annotated[Edges, In("m")]
     #: Arc coordinate of the smallest gap, from the line of centres [m].
-    arc: Edges
+    arc: Annotated[Edges, In("m")]
     #: Normal gap at the first touch of any slice [m].
-    gap: Edges
+    gap: Annotated[Edges, In("m")]
     #: Half the second derivative of the normal gap along the arc [1/m].
     coefficient: Edges
     #: Axial force per unit of normal force.
@@ -36,36 +38,36 @@ class SliceGeometry(eqx.Module):
     converged: Bool[Array, ""]
 
 
-class LineContactResult(eqx.Module):
+class LineContactResult(Result):
     """Line contact under an axial force: per slice, and in total."""
 
     slices: SliceGeometry
     #: Normal force per length of the contact line [N/m].
-    line_load: Edges
+    line_load: Annotated[Edges, In("N/m")]
     #: Half-width of the contact [m].
-    half_width: Edges
+    half_width: Annotated[Edges, In("m")]
     #: Pressure in the middle of the contact width [Pa].
-    pressure: Edges
+    pressure: Annotated[Edges, In("Pa")]
     #: Depth of contact, how far the undeformed flanks overlap [m].
-    depth: Edges
+    depth: Annotated[Edges, In("m")]
     #: Axial force of this contact [N].
-    axial_force: Scalar
-    normal_force: Scalar
+    axial_force: Annotated[Scalar, In("N")]
+    normal_force: Annotated[Scalar, In("N")]
     #: Normal approach from the first touch [m].
-    approach: Scalar
+    approach: Annotated[Scalar, In("m")]
     #: Axial force per axial approach, as a tangent [N/m].
-    stiffness_tangent: Scalar
-    max_pressure: Scalar
-    max_half_width: Scalar
+    stiffness_tangent: Annotated[Scalar, In("N/m")]
+    max_pressure: Annotated[Scalar, In("Pa")]
+    max_half_width: Annotated[Scalar, In("m")]
     #: Share of the contact zone that carries load.
-    loaded_share: Scalar
+    loaded_share: Annotated[Scalar, In("1")]
     #: Largest line load over its mean on the loaded part: 1 if all slices carry equal loads, 2 for
     #: a load that falls linearly from an edge.
-    edge_ratio: Scalar
+    edge_ratio: Annotated[Scalar, In("1")]
     #: Coefficient of determination of the fit of a parabola to the exact gap, at the slice with
     #: the largest pressure over the width of its contact.
-    parabola_fit: Scalar
-    converged: Bool[Array, ""]
+    parabola_fit: Annotated[Scalar, In("1")]
+    converged: Annotated[Bool[Array, ""], In("1")]
 
 
 @physics("line_contact_geometry")

@@ -2,28 +2,29 @@
 
 import functools
 from collections.abc import Callable
+from typing import Annotated
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 
 from .._errors import MissingDataError
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..geometry import Meshing, mesh
 from ..mechanism import Stage, material_of
+from ..results import Result
 from ._conventions import ContactFrame, contact_frames
 from .hertz import HertzContact, HertzMethod, contact_modulus, hertz_contact
 
 
-class ThreadContactSide(eqx.Module):
+class ThreadContactSide(Result):
     """One thread contact on one side of a roller; all engaged threads share the load equally."""
 
     hertz: HertzContact
-    normal_force: Scalar
+    normal_force: Annotated[Scalar, In("N")]
     #: Axial secant stiffness of one contact, F_a/δ_a with δ_a = δ F_n/F_a [N/m].
-    axial_stiffness: Scalar
+    axial_stiffness: Annotated[Scalar, In("N/m")]
     #: Axial stiffness of all engaged threads of one roller in parallel [N/m].
-    roller_stiffness: Scalar
+    roller_stiffness: Annotated[Scalar, In("N/m")]
 
     @property
     def roller_tangent_stiffness(self) -> Scalar:
@@ -31,7 +32,7 @@ class ThreadContactSide(eqx.Module):
         return 1.5 * self.roller_stiffness
 
 
-class StageContact(eqx.Module):
+class StageContact(Result):
     """Thread contacts of one stage: screw side and nut side."""
 
     screw: ThreadContactSide

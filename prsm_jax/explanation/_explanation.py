@@ -4,6 +4,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ..fields import old_name
+from ..results import Shown
 from ..text import TextTable
 from ._account import MEASURES, Account
 from ._places import Place
@@ -109,8 +110,8 @@ def _of(account: Account | None, measure: str) -> int | float | None:
     return None if account is None else getattr(account, measure)
 
 
-@dataclass(frozen=True)
-class Explanation:
+@dataclass(frozen=True, repr=False)
+class Explanation(Shown):
     """Optional parts that a mechanism has, those left out and why, and the cost of each."""
 
     title: str

@@ -1,6 +1,7 @@
 """Fields: what a number is called, its unit, and its limits."""
 
 from ._arguments import listed_names as listed_names, refuse_options as refuse_options
+from ._computed import In as In, units_of as units_of
 from ._counts import (
     FEWEST_TRACED as FEWEST_TRACED,
     Count as Count,

@@ -1,9 +1,12 @@
 """Arguments that many functions share."""
 
 from collections.abc import Iterable
+from typing import TypeVar
+
+_Name = TypeVar("_Name")
 
 
-def listed_names(names: Iterable[str], argument: str) -> list[str]:
+def listed_names(names: Iterable[_Name], argument: str) -> list[_Name]:
     """Names as a list.
 
     **Arguments:**

@@ -1,6 +1,7 @@
 """The examples that come with the package: mechanisms of the literature and an actuator."""
 
 import functools
+import tomllib
 from pathlib import Path
 
 from .._errors import FileError, closest
@@ -12,6 +13,18 @@ _FOLDER = Path(__file__).parent / "examples"
 def example_names() -> tuple[str, ...]:
     """The names of the shipped examples, in alphabetical order."""
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
+
+
+def example_summary(name: str) -> str:
+    """What a shipped example is, in one line: its title.
+
+    **Arguments:**
+
+    - `name`: one of `example_names()`.
+
+    **Raises:** `FileError` if there is no such example.
+    """
+    return tomllib.loads(example_text(name))["title"]
 
 
 def example_text(name: str) -> str:

@@ -1,15 +1,16 @@
 """Contact points of the threads: points of common normal between roller, screw and nut."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..mechanism import Side, Thread, of_one_design
 from ..numerics import find_root_of
 from ..programs import one_program, physics
+from ..results import Result
 from ._curvature import RelativeCurvature, relative_curvature
 from ._flanks import (
     FlankGeometry,
@@ -27,17 +28,17 @@ from ._flanks import (
 _MAXIMUM_STEPS = 32
 
 
-class ThreadContact(eqx.Module):
+class ThreadContact(Result):
     """Geometry of one thread contact of a roller.
 
     `contact_radius` and `contact_angle_position` are those on the screw (or nut); the roller's
     are `roller_contact_radius` and `roller_angle_position`, measured from the line of centres.
     """
 
-    contact_radius: Scalar
-    contact_angle_position: Scalar
-    roller_contact_radius: Scalar
-    roller_angle_position: Scalar
+    contact_radius: Annotated[Scalar, In("m")]
+    contact_angle_position: Annotated[Scalar, In("rad")]
+    roller_contact_radius: Annotated[Scalar, In("m")]
+    roller_angle_position: Annotated[Scalar, In("rad")]
     #: Parts of `normal`: plain numbers, because XLA recomputes the inputs of an array for each of
     #: its entries (six times the run time of a Hessian).
     normal_parts: tuple[Scalar, Scalar, Scalar]
@@ -49,7 +50,7 @@ class ThreadContact(eqx.Module):
         return jnp.stack(self.normal_parts, axis=-1)
 
 
-class Meshing(eqx.Module):
+class Meshing(Result):
     """Contacts of one roller with screw and nut.
 
     `converged` is the result code of the root search; for a design without a common normal it is
@@ -60,8 +61,8 @@ class Meshing(eqx.Module):
     nut: ThreadContact
     #: Axial gap between the flanks of both sides when all teeth are half a pitch thick; there is
     #: one only where rollers slide: on the screw's side of a standard roller screw [m].
-    axial_gap: Scalar
-    converged: Bool[Array, ""]
+    axial_gap: Annotated[Scalar, In("m")]
+    converged: Annotated[Bool[Array, ""], In("1")]
 
 
 class ContactTriangle(eqx.Module):

@@ -2,15 +2,16 @@
 
 import dataclasses
 from collections.abc import Callable
+from typing import Annotated
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..contact import HertzContact, contact_modulus, engaged_threads, hertz_contact
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..geometry import Meshing, dimensions_possible, mesh
 from ..mechanism import Stage, material_of, of_one_design
+from ..results import Result
 from ._flank_gap import FlankGap, TangentPlane, checked_side, flank_gap, tangent_plane
 from ._grid import grid_over
 from ._surface_contact import SurfaceContact, solve_contact, within_small_strains
@@ -26,7 +27,7 @@ Heights = (
 _UNLOADED = 1e-4
 
 
-class FlankContact(eqx.Module):
+class FlankContact(Result):
     """One thread contact of a roller with true surfaces, and its Hertz contact."""
 
     surface: SurfaceContact
@@ -35,7 +36,7 @@ class FlankContact(eqx.Module):
     #: Contact of the osculating paraboloids, under the same normal force or at the given approach.
     hertz: HertzContact
     #: Normal force per axial force of the contact, F_n/F_a.
-    normal_per_axial: Scalar
+    normal_per_axial: Annotated[Scalar, In("1")]
 
 
 def _rounded(flanks: FlankGap, edge_radius: Scalar) -> Float[Array, "nx ny"]:

@@ -2,14 +2,18 @@
 
 import functools
 import operator
+from typing import Annotated
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from ..contact import von_mises_stress
-from ..fields import Scalar
-from ..programs import AbstractResult, mapped, physics
+from ..fields import In, Scalar
+from ..programs import mapped, physics
+from ..results import DesignResult, lines_of
+from ..text import Line
 from ._convolution import field_of, influence, spectrum
 from ._grid import Grid
 from ._rectangle_stress import pressure_stress, shear_stress
@@ -18,12 +22,12 @@ from ._rectangle_stress import pressure_stress, shear_stress
 _FULL = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
 
 
-class SubsurfaceStress(AbstractResult):
+class SubsurfaceStress(DesignResult):
     """Stress tensor below the cells' centres at some depths; tension is positive."""
 
     grid: Grid
     #: [m].
-    depths: Float[Array, "depths"]
+    depths: Annotated[Float[Array, "depths"], In("m")]
     #: Axes x, y of the grid, z into the body [Pa].
     tensor: Float[Array, "depths nx ny 3 3"]
 
@@ -31,6 +35,15 @@ class SubsurfaceStress(AbstractResult):
     def batch_shape(self) -> tuple[int, ...]:
         """Batch axes of these stresses; empty for a single design."""
         return self.depths.shape[:-1]
+
+    def lines(self) -> list[Line]:
+        """What `print` shows."""
+        # The deviatoric part, by NumPy: printing compiles nothing.
+        tensor = np.asarray(self.tensor)
+        pressure = np.trace(tensor, axis1=-2, axis2=-1)[..., None, None] / 3
+        square = np.sum((tensor - pressure * np.eye(3)) ** 2, axis=(-2, -1))
+        cells = Line("cells", " × ".join(map(str, self.grid.shape)))
+        return [cells, *lines_of(self), Line("von Mises stress", np.sqrt(1.5 * square), "Pa")]
 
     @property
     @mapped

@@ -1,13 +1,15 @@
 """Contact of two elastic bodies with any gap, as half-spaces."""
 
 import dataclasses
+from typing import Annotated
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..fields import Scalar, old_name
+from ..fields import In, Scalar, old_name
 from ..programs import physics
+from ..results import Result, lines_of, outcome
+from ..text import Line
 from ._displacement import normal_displacement
 from ._equilibrium import equilibrium
 from ._grid import Grid
@@ -29,7 +31,7 @@ RESULTS = {
 _LARGEST_STRAIN = 0.1
 
 
-class SurfaceContact(eqx.Module):
+class SurfaceContact(Result):
     """Contact of two surfaces under pressure; fields are arrays over the grid's cells."""
 
     grid: Grid
@@ -42,19 +44,24 @@ class SurfaceContact(eqx.Module):
     #: Gap between the deformed surfaces [m].
     separation: Float[Array, "nx ny"]
     #: Approach of the two bodies δ [m].
-    approach: Scalar
+    approach: Annotated[Scalar, In("m")]
     #: Normal force F [N].
-    load: Scalar
+    load: Annotated[Scalar, In("N")]
     #: Largest pressure, between the cells' centres [Pa].
-    max_pressure: Scalar
+    max_pressure: Annotated[Scalar, In("Pa")]
     #: Area in contact [m²].
-    area: Scalar
+    area: Annotated[Scalar, In("m²")]
     #: Total number of steps on all grids.
-    iterations: Int[Array, ""]
+    iterations: Annotated[Int[Array, ""], In("1")]
     #: Largest violation of the contact conditions over the largest displacement.
-    residual: Scalar
+    residual: Annotated[Scalar, In("1")]
     #: One of `RESULTS`; 0 is success.
     code: Int[Array, ""]
+
+    def lines(self) -> list[Line]:
+        """What `print` shows."""
+        names = [meaning.partition(":")[0] for meaning in RESULTS.values()]
+        return [outcome(self.code, names), *lines_of(self)]
 
     @property
     def found(self) -> Bool[Array, ""]:

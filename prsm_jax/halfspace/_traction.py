@@ -1,11 +1,13 @@
 """Tangential traction by Coulomb's law: full sliding, and partial slip."""
 
-import equinox as eqx
+from typing import Annotated
+
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..programs import physics
+from ..results import Result
 from ._surface_contact import SurfaceContact, solve_contact
 
 
@@ -20,7 +22,7 @@ def sliding_traction(contact: SurfaceContact, coefficient: Scalar | float) -> Fl
     return coefficient * contact.pressure
 
 
-class PartialSlip(eqx.Module):
+class PartialSlip(Result):
     """Tangential traction in one direction, with a stick zone inside a slip zone."""
 
     #: Traction in the direction of the force [Pa].
@@ -30,11 +32,11 @@ class PartialSlip(eqx.Module):
     #: Cells in contact that slip.
     slip: Bool[Array, "nx ny"]
     #: Tangential force, at most μ F [N].
-    force: Scalar
+    force: Annotated[Scalar, In("N")]
     #: Whether the whole contact slides: the given force is μ F or more.
-    sliding: Bool[Array, ""]
+    sliding: Annotated[Bool[Array, ""], In("1")]
     #: Approach minus that under the load F* of the stick zone, δ(F) − δ(F*) [m].
-    approach_difference: Scalar
+    approach_difference: Annotated[Scalar, In("m")]
     #: Result code of the second contact, one of `RESULTS`; 3 if no cell sticks.
     code: Array
 

@@ -1,7 +1,7 @@
 """How one stage shares its load: threads, rollers, pressures, stiffness of the nut."""
 
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import equinox as eqx
 import jax
@@ -9,10 +9,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..contact import StageContact, load_of
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..geometry import Meshing
 from ..mechanism import Mechanism, Stage, of_one_design, stage_at
-from ..programs import AbstractResult, mapped, one_program_where_possible
+from ..programs import mapped, one_program_where_possible
+from ..results import DesignResult
 from ._block_tridiagonal import control_column
 from ._chains import (
     Chains,
@@ -29,7 +30,7 @@ from ._stage_chains import StageChains, regularisation_of, regularised, sharing_
 from ._unloaded import ElasticDeflection, elastic_deflection
 
 
-class LoadDistribution(AbstractResult):
+class LoadDistribution(DesignResult):
     """How a stage shares an axial load among its threads and rollers.
 
     Threads count from the end of the nut where the screw's force enters. A positive load presses
@@ -38,19 +39,19 @@ class LoadDistribution(AbstractResult):
 
     screw: SideLoads
     nut: SideLoads
-    load: Scalar
+    load: Annotated[Scalar, In("N")]
     #: Travel of screw towards nut from where nominal forward flanks touch, at their ends [m]. With
     #: play, errors or preload it is not 0 without a load: see `elastic`.
-    deflection: Scalar
+    deflection: Annotated[Scalar, In("m")]
     #: Tangent stiffness between screw and nut dF/dx, shafts and teeth included [N/m]; `None` where
     #: it was not computed (see `tangent_stiffness`).
-    tangent_stiffness: Scalar | None
+    tangent_stiffness: Annotated[Scalar | None, In("N/m")]
     #: Force in the spacer of a split nut [N]; `None` for a nut in one piece.
-    spacer_force: Scalar | None
+    spacer_force: Annotated[Scalar | None, In("N")]
     chains: Chains
     equilibrium: Equilibrium
     #: Whether threads mesh and the balance converged; else loads and deflections are NaN.
-    converged: Bool[Array, ""]
+    converged: Annotated[Bool[Array, ""], In("1")]
     #: Numbers of the rollers of each class, from 1.
     rollers: tuple[tuple[int, ...], ...] = eqx.field(static=True)
 

@@ -1,32 +1,35 @@
 """The force–deflection curve of a nut, with its backlash or preload."""
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 from jaxtyping import Array, Bool, Float
 
+from ..fields import In
 from ..mechanism import Mechanism, Stage, of_one_design, stage_at
-from ..programs import AbstractResult, one_program_where_possible
+from ..programs import one_program_where_possible
+from ..results import DesignResult
 from ._chains import Control
 from ._distribution import balanced
 from ._stage_chains import sharing_of, stage_chains
 
 
-class ForceDeflection(AbstractResult):
+class ForceDeflection(DesignResult):
     """Axial load over deflection of one stage, point by point."""
 
     #: [N]
-    load: Float[Array, " points"]
+    load: Annotated[Float[Array, " points"], In("N")]
     #: Travel of screw towards nut from where nominal forward flanks touch, with play and the
     #: shift by the preload [m].
-    deflection: Float[Array, " points"]
+    deflection: Annotated[Float[Array, " points"], In("m")]
     #: dF/dx [N/m].
-    tangent_stiffness: Float[Array, " points"]
+    tangent_stiffness: Annotated[Float[Array, " points"], In("N/m")]
     #: Elastic energy stored in contacts, teeth and shafts [J].
-    stored_energy: Float[Array, " points"]
-    converged: Bool[Array, " points"]
+    stored_energy: Annotated[Float[Array, " points"], In("J")]
+    converged: Annotated[Bool[Array, " points"], In("1")]
 
     @property
     def batch_shape(self) -> tuple[int, ...]:

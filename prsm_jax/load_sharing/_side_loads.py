@@ -1,13 +1,14 @@
 """Loads between rollers and screw, or rollers and nut, with their pressures and stiffnesses."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..numerics import above_or_nan, cube_root_or_zero
-from ..programs import AbstractResult, mapped
+from ..programs import mapped
+from ..results import DesignResult
 from ._chains import Flanks, Loads
 from ._stage_chains import StageChains
 
@@ -16,18 +17,18 @@ from ._stage_chains import StageChains
 _ZERO_FORCE = {True: 1e-9, False: 1e-3}
 
 
-class SideLoads(AbstractResult):
+class SideLoads(DesignResult):
     """Loads between rollers and screw, or rollers and nut; a row for each class of rollers."""
 
     #: Axial load on the flanks that a positive load presses [N].
-    forward: Float[Array, "classes threads"]
+    forward: Annotated[Float[Array, "classes threads"], In("N")]
     #: Axial load on the opposite flanks [N]; `None` where they are not modelled.
-    reverse: Float[Array, "classes threads"] | None
+    reverse: Annotated[Float[Array, "classes threads"] | None, In("N")]
     #: Largest Hertz pressure of each thread [Pa].
-    max_pressure: Float[Array, "classes threads"]
+    max_pressure: Annotated[Float[Array, "classes threads"], In("Pa")]
     #: Axial secant stiffness of one roller of each class, its threads in parallel and its
     #: `stiffness_factor` included [N/m]; 0 for a roller without load.
-    stiffness: Float[Array, " classes"]
+    stiffness: Annotated[Float[Array, " classes"], In("N/m")]
     #: How many rollers each class stands for.
     weight: Float[Array, " classes"]
     #: A typical force on one thread [N], to tell a load from rounding; `None` if not known.

@@ -25,8 +25,11 @@ from ..fields import (
     registered_choice,
 )
 from ..friction import Friction, FrictionLaw
+from ..results import Shown, printed
 from ..scenario import Scenario, TorqueScenario
+from ..text import aligned, html_table, short_label
 from ._contact_methods import ContactMethod, contact_methods
+from ._printing import lines_of_mechanism
 from ._type_checks import check_type, check_types_in_series
 from .parts import (
     Axis,
@@ -211,7 +214,7 @@ class _Text:
         vars(mechanism)[self.name] = stored
 
 
-class Mechanism(Limited):
+class Mechanism(Limited, Shown):
     """A planetary roller screw mechanism of one or several stages.
 
     A frozen pytree in SI units. The stages share the screw speed through splines; nut k − 1
@@ -282,6 +285,17 @@ def check_axis(mechanism: Mechanism) -> None:
             "against turning; remove one of them (axis.motor.controller holds the motor)"
         )
     check_distances(axis, screw)
+
+    def __str__(self) -> str:
+        return aligned(*printed(self, lambda: lines_of_mechanism(self)))
+
+    def __repr__(self) -> str:
+        count = len(self.stages)
+        named = f" {short_label(self.title)!r}" if self.title else ""
+        return f"<Mechanism{named}: {count} stage{'s' * (count != 1)}>"
+
+    def _repr_html_(self) -> str:
+        return html_table(*printed(self, lambda: lines_of_mechanism(self)))
 
 
 # Set after the class is created: inside it, this would be taken as the default.

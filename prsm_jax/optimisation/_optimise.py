@@ -8,6 +8,7 @@ import numpy as np
 
 from ..fields import Scalar
 from ..mechanism import Constraint, DesignProblem, Mechanism, Variable, of_one_known_design
+from ..quantities import QuantityLike
 from ._choices import best_of_choices, choices_of
 from ._problem import number, present_design, problem_of, robust
 from ._searches import Searches
@@ -20,9 +21,9 @@ from .search import Evaluator, SearchMethod, Slsqp, search_of
 def optimise(
     mechanism: Mechanism,
     variables: Mapping[str, tuple[Any, ...]] | Iterable[Variable] | None = None,
-    maximise: str | Mapping[str, float | int] | None = None,
-    minimise: str | Mapping[str, float | int] | None = None,
-    constraints: Mapping[str, Any] | Iterable[Constraint] | None = None,
+    maximise: QuantityLike | Mapping[Any, float | int] | None = None,
+    minimise: QuantityLike | Mapping[Any, float | int] | None = None,
+    constraints: Mapping[Any, Any] | Iterable[Constraint] | None = None,
     *,
     choices: Mapping[str, Any] | None = None,
     problem: DesignProblem | None = None,
@@ -56,7 +57,9 @@ def optimise(
 
     - `mechanism`: the mechanism; the first start is its present design, moved into the bounds.
     - `variables`: (lower, upper) bounds [SI] by the name of a parameter, or `Variable` objects.
-    - `maximise`, `minimise`: a quantity, or weights by quantity; together they form one sum.
+    - `maximise`, `minimise`: a quantity, or weights by quantity; together they form one sum. A
+      function of a mechanism that returns one number may stand for the name of a quantity, here
+      and in `constraints`.
     - `constraints`: (lower, upper) limits [SI] by quantity, `None` for no limit, one number for an
       equality; or `Constraint` objects. A quantity with components is limited in each.
     - `choices`: lists of values [SI] to choose from, by the name of a parameter, such as

@@ -23,9 +23,9 @@ from .search import Evaluator
 @of_one_known_design
 def pareto(
     mechanism: Mechanism,
-    objectives: Mapping[str, str] | Iterable[Objective] | None = None,
+    objectives: Mapping[Any, str] | Iterable[Objective] | None = None,
     variables: Mapping[str, tuple[Any, ...]] | Iterable[Variable] | None = None,
-    constraints: Mapping[str, Any] | Iterable[Constraint] | None = None,
+    constraints: Mapping[Any, Any] | Iterable[Constraint] | None = None,
     *,
     points: int | None = None,
     problem: DesignProblem | None = None,
@@ -54,8 +54,9 @@ def pareto(
     **Arguments:**
 
     - `mechanism`: the mechanism; the first start is its present design, moved into the bounds.
-    - `objectives`: two or three quantities with `"maximise"` or `"minimise"`, or `Objective`
-      objects; their weights do not matter. Default those of the problem.
+    - `objectives`: two or three quantities, or functions of a mechanism, with `"maximise"` or
+      `"minimise"`, or `Objective` objects; their weights do not matter. Default those of the
+      problem.
     - `variables`, `constraints`, `problem`: as for `optimise`.
     - `speed`, `load`, `nut_speed`, `operating_points`, `tolerance_sigmas`: as for `optimise`. A
       front takes means over operating points.

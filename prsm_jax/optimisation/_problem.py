@@ -19,15 +19,15 @@ from ..mechanism import (
     check_independent,
     find_parameters,
 )
-from ..quantities import find_quantity
+from ..quantities import QuantityLike, find_quantity, quantity_name
 
 
 def problem_of(
     mechanism: Mechanism,
     problem: DesignProblem | None,
     variables: Any,
-    maximise: str | Mapping[str, float | int] | None,
-    minimise: str | Mapping[str, float | int] | None,
+    maximise: QuantityLike | Mapping[Any, float | int] | None,
+    minimise: QuantityLike | Mapping[Any, float | int] | None,
     constraints: Any,
     objectives: tuple[Objective, ...] | None = None,
 ) -> DesignProblem:
@@ -83,19 +83,22 @@ def _variables(variables) -> tuple[Variable, ...]:
 
 
 def _objectives(
-    terms: str | Mapping[str, float | int] | None, sense: Literal["maximise", "minimise"]
+    terms: QuantityLike | Mapping[Any, float | int] | None,
+    sense: Literal["maximise", "minimise"],
 ) -> tuple[Objective, ...]:
     if terms is None:
         return ()
-    if isinstance(terms, str):
-        return (Objective(terms, sense),)
+    if isinstance(terms, str) or callable(terms):
+        return (Objective(quantity_name(terms), sense),)
     if isinstance(terms, Mapping):
-        return tuple(Objective(name, sense, float(weight)) for name, weight in terms.items())
+        return tuple(
+            Objective(quantity_name(one), sense, float(weight)) for one, weight in terms.items()
+        )
     raise ValueError(f"{sense} is {terms!r}; give a quantity, or a dictionary of weights")
 
 
 def front_objectives(
-    objectives: Mapping[str, str] | Iterable[Objective],
+    objectives: Mapping[Any, str] | Iterable[Objective],
 ) -> tuple[Objective, ...]:
     """The objectives of a front, from their senses by quantity or from `Objective` objects.
 
@@ -110,7 +113,8 @@ def front_objectives(
             )
         return given
     rows: list[Objective] = []
-    for name, sense in cast("Mapping[str, str]", objectives).items():
+    for quantity, sense in cast("Mapping[QuantityLike, str]", objectives).items():
+        name = quantity_name(quantity)
         if sense not in ("maximise", "minimise"):
             raise ValueError(
                 f'objective {name!r} has the sense {sense!r}; write "maximise" or "minimise"'
@@ -195,7 +199,7 @@ def number(value: float | Scalar | None) -> Scalar | None:
 
 
 def constraints_of(
-    constraints: Mapping[str, Any] | Iterable[Constraint],
+    constraints: Mapping[Any, Any] | Iterable[Constraint],
 ) -> tuple[Constraint, ...]:
     """Constraints from limits by quantity: (lower, upper) [SI], or one number for an equality.
 
@@ -209,7 +213,8 @@ def constraints_of(
     if not isinstance(constraints, Mapping):
         return tuple(constraints)
     rows: list[Constraint] = []
-    for name, limits in cast("Mapping[str, Any]", constraints).items():
+    for quantity, limits in cast("Mapping[QuantityLike, Any]", constraints).items():
+        name = quantity_name(quantity)
         if isinstance(limits, int | float):
             rows.append(Constraint(name, equal=float(limits)))
             continue

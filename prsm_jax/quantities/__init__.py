@@ -12,6 +12,7 @@ from ._assumptions import (
 )
 from ._catalogue import (
     Quantity as Quantity,
+    QuantityLike as QuantityLike,
     assumptions as assumptions,
     available_quantities as available_quantities,
     catalogue as catalogue,
@@ -23,8 +24,10 @@ from ._catalogue import (
     evaluate_checked as evaluate_checked,
     evaluate_coded as evaluate_coded,
     find_quantity as find_quantity,
+    is_function as is_function,
     named_quantities as named_quantities,
     quantity as quantity,
+    quantity_name as quantity_name,
     quantity_of as quantity_of,
 )
 from ._reasons import REASONS as REASONS

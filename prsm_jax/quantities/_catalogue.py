@@ -3,7 +3,7 @@
 import functools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import equinox as eqx
 import jax
@@ -17,6 +17,7 @@ from ..mechanism import Mechanism, of_one_design
 from ..programs import one_program, origin_of
 from ._analysis import Analysis, SharedLoad
 from ._assumptions import known_assumption, sentences
+from ._functions import OfMechanism, name_of_function
 from ._reasons import REASONS, code_of
 
 
@@ -39,7 +40,13 @@ class Quantity:
     shares: tuple[SharedLoad, ...] = ()
 
 
+#: A name from the catalogue, or a function of a mechanism that returns one number [SI]; or one of
+#: an `Analysis` that is in the catalogue.
+QuantityLike: TypeAlias = str | Callable[..., Any]
+
 _CATALOGUE: dict[str, Quantity] = {}
+#: Functions of a mechanism that were given in place of a name; `catalogue` does not list them.
+_FUNCTIONS: dict[str, OfMechanism] = {}
 
 
 def quantity(
@@ -72,6 +79,8 @@ def quantity(
         before = _CATALOGUE.get(name)
         if before is not None and origin_of(before.function) != origin_of(function):
             raise ValueError(f"the quantity {name!r} exists already; choose another name")
+        if before is not None:
+            _forget_programs()
         _CATALOGUE[name] = Quantity(
             name, symbol, unit, description, function, dimensions, known, shares
         )
@@ -85,11 +94,48 @@ def catalogue() -> tuple[Quantity, ...]:
     return tuple(_CATALOGUE.values())
 
 
-def find_quantity(name: str) -> Quantity:
-    """The quantity of a name.
+def quantity_name(quantity: QuantityLike) -> str:
+    """The name of a quantity that is given by its name or as a function.
+
+    **Arguments:**
+
+    - `quantity`: a name; a function of a mechanism that returns one number, which is known by its
+      own name from then on; or a function that `quantity` has added to the catalogue.
+
+    **Raises:** `ValueError` for a function with the name of another quantity.
+    """
+    if isinstance(quantity, str) or not callable(quantity):
+        return quantity
+    for entry in _CATALOGUE.values():
+        if entry.function is quantity:
+            return entry.name
+    name = name_of_function(quantity, _FUNCTIONS, _CATALOGUE)
+    if name in _FUNCTIONS and _FUNCTIONS[name].function is not quantity:
+        _forget_programs()
+    _FUNCTIONS[name] = OfMechanism(name, quantity)
+    return name
+
+
+def _forget_programs() -> None:
+    """Compile all programs again: sensitivities, sweeps and searches keep theirs by name."""
+    jax.clear_caches()
+
+
+def is_function(name: str) -> bool:
+    """Whether a quantity is a function that was given in place of a name."""
+    return name in _FUNCTIONS and name not in _CATALOGUE
+
+
+def find_quantity(name: QuantityLike) -> Quantity:
+    """The quantity of a name, or of a function (`quantity_name`).
 
     **Raises:** `UnknownNameError` with the nearest names.
     """
+    name = quantity_name(name)
+    if is_function(name):
+        function = _FUNCTIONS[name]
+        words = (function.function.__doc__ or "").strip().partition("\n")[0]
+        return Quantity(name, name, "1", words or "function of the mechanism", function)
     if name not in _CATALOGUE:
         raise UnknownNameError(f"unknown quantity {name!r}; {closest(name, _CATALOGUE)}")
     return _CATALOGUE[name]
@@ -103,7 +149,9 @@ def quantity_of(label: str) -> Quantity:
     return find_quantity(label.partition("[")[0])
 
 
-def named_quantities(names: Iterable[str], argument: str = "quantities") -> tuple[Quantity, ...]:
+def named_quantities(
+    names: Iterable[QuantityLike], argument: str = "quantities"
+) -> tuple[Quantity, ...]:
     """The quantities of a list of names, each once.
 
     **Raises:** `ValueError` for a text in place of a list, and for an empty list;
@@ -137,7 +185,7 @@ def assumptions(mechanism: Mechanism, quantities: Iterable[str] | None = None) -
 @of_one_design
 def compute(
     mechanism: Mechanism,
-    quantities: Iterable[str],
+    quantities: Iterable[QuantityLike],
     *,
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
@@ -149,7 +197,8 @@ def compute(
     **Arguments:**
 
     - `mechanism`: the mechanism.
-    - `quantities`: names from the catalogue.
+    - `quantities`: names from the catalogue; a function of a mechanism that returns one number may
+      stand for a name, and its value has its own name.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
 
     **Raises:** `UnknownNameError` for an unknown name; `MissingDataError`, naming the quantity,
@@ -190,14 +239,14 @@ def compute_coded(
     return _computed(mechanism, quantities, speed, load, _code)
 
 
-def _find_all(quantities: Iterable[str]) -> tuple[Quantity, ...]:
+def _find_all(quantities: Iterable[QuantityLike]) -> tuple[Quantity, ...]:
     # Programs are cached by quantity, not by name: a name may be redefined.
     return tuple(dict.fromkeys(find_quantity(name) for name in quantities))
 
 
 def _computed(
     mechanism: Mechanism,
-    quantities: Iterable[str],
+    quantities: Iterable[QuantityLike],
     speed,
     load,
     verdict: Callable[..., Any] | None = None,

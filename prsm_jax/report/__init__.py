@@ -1,5 +1,6 @@
 """Pictures and reports for engineers: millimetres, rpm, kilonewtons, megapascals, degrees."""
 
+from . import _charts_of_results as _charts_of_results  # the charts that `plot` draws
 from ._style import save_figure as save_figure, save_figures as save_figures
 from .animations import (
     mode_shapes as mode_shapes,

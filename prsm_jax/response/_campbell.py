@@ -1,7 +1,7 @@
 """Excitation orders against screw speed: at which speeds do they meet natural frequencies?"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import equinox as eqx
@@ -11,7 +11,9 @@ from jaxtyping import Array, Float
 
 from ..fields import Scalar, plain
 from ..mechanism import Mechanism, of_one_design, stage_at
-from ..programs import AbstractResult, each, mapped, physics
+from ..programs import each, mapped, physics
+from ..results import DesignResult
+from ..text import Line
 from ..vibration import RIGID_SHARE, Modes, stage_modes, stage_system
 from ._orders import ExcitationOrder, excitation_orders, find_order, phasing, working_carrier_ratio
 
@@ -37,7 +39,7 @@ class Crossing:
         return self.speed * 30 / np.pi
 
 
-class Campbell(AbstractResult):
+class Campbell(DesignResult):
     """Natural frequencies of one stage and the orders that may excite them.
 
     The frequencies do not change with the speed: rollers and screw turn too slowly for gyroscopic
@@ -56,6 +58,17 @@ class Campbell(AbstractResult):
     def batch_shape(self) -> tuple[int, ...]:
         """Axes of a batch of diagrams; empty for a single design."""
         return self.carrier_ratio.shape
+
+    def lines(self) -> list[Line]:
+        """What `print` shows: orders per turn of the screw, and natural frequencies by family."""
+        orders = [Line(f"order: {one.name.replace('_', ' ')}", one.order) for one in self.orders]
+        modes = [replace(one, label=f"frequencies: {one.label}") for one in self.modes.lines()]
+        return [
+            Line("carrier ratio", self.carrier_ratio),
+            Line("harmonics", self.harmonics),
+            *orders,
+            *modes,
+        ]
 
     @property
     @mapped

@@ -1,16 +1,17 @@
 """Frequency response functions between two degrees of freedom of one stage."""
 
 from collections.abc import Sequence
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..mechanism import DampingLaw, Mechanism, of_one_design, stage_at
-from ..programs import AbstractResult
+from ..results import DesignResult, lines_of
+from ..text import Line
 from ..vibration import VibrationSystem, spring_network, stage_system
 from ._dissipation import AnyDamping, AsGiven, stage_damping
 from ._receptance import Solver, infinite, magnitude, receptance_matrix
@@ -25,7 +26,7 @@ KINDS: dict[Kind, tuple[int, str]] = {
 }
 
 
-class FrequencyResponse(AbstractResult):
+class FrequencyResponse(DesignResult):
     """Complex amplitude at one degree of freedom per unit force at another.
 
     For a rotation the force is the torque over the nominal radius, and the displacement is
@@ -33,7 +34,7 @@ class FrequencyResponse(AbstractResult):
     """
 
     #: [Hz].
-    frequency: Float[Array, " frequencies"]
+    frequency: Annotated[Float[Array, " frequencies"], In("Hz")]
     #: In the unit of `kind`; infinite at a pole.
     value: Complex[Array, " frequencies"]
     #: Whether the system is driven at a pole, where no steady amplitude exists.
@@ -51,6 +52,20 @@ class FrequencyResponse(AbstractResult):
     def unit(self) -> str:
         """SI unit of `value`."""
         return KINDS[self.kind][1]
+
+    def lines(self) -> list[Line]:
+        """What `print` shows."""
+        size = np.abs(np.asarray(self.value))
+        lines = [
+            Line("force at", self.excitation),
+            Line(f"{self.kind} of", self.response),
+            *lines_of(self),
+            Line("magnitude", size, self.unit),
+        ]
+        if not self.batch_shape:
+            peak = np.argmax(size)
+            lines.append(Line("largest at", np.asarray(self.frequency)[peak], "Hz"))
+        return [*lines, Line("driven at a pole", self.at_pole)]
 
     @property
     def magnitude(self) -> Float[Array, "*batch frequencies"]:

@@ -1,7 +1,7 @@
 """Vibration excited by the contacts: amplitudes and dynamic forces over screw speed."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import equinox as eqx
 import jax
@@ -9,9 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..mechanism import Mechanism, of_one_design, stage_at
-from ..programs import AbstractResult, physics
+from ..programs import physics
+from ..results import DesignResult
 from ..vibration import (
     Coordinate,
     Spring,
@@ -31,21 +32,21 @@ from ._orders import (
 from ._receptance import Solver, harmonic_response, magnitude
 
 
-class MeshResponse(AbstractResult):
+class MeshResponse(DesignResult):
     """Steady vibration under one harmonic of an excitation in the contacts, by screw speed.
 
     Amplitudes are complex: the vibration is `Re(amplitude · e^{iωt})`. At a pole they are infinite.
     """
 
     #: Screw speed [rad/s].
-    speed: Float[Array, " speeds"]
+    speed: Annotated[Float[Array, " speeds"], In("rad/s")]
     #: Frequency of the excitation [Hz].
-    frequency: Float[Array, " speeds"]
+    frequency: Annotated[Float[Array, " speeds"], In("Hz")]
     #: Amplitude of every coordinate [m]; rotations as u = r θ.
-    displacement: Complex[Array, "speeds coordinates"]
+    displacement: Annotated[Complex[Array, "speeds coordinates"], In("m")]
     #: Force in every spring, positive in tension; in contacts from elongation minus error [N].
-    spring_force: Complex[Array, "speeds springs"]
-    at_pole: Bool[Array, " speeds"]
+    spring_force: Annotated[Complex[Array, "speeds springs"], In("N")]
+    at_pole: Annotated[Bool[Array, " speeds"], In("1")]
     coordinates: tuple[Coordinate, ...] = eqx.field(static=True)
     springs: tuple[Spring, ...] = eqx.field(static=True)
 

@@ -8,7 +8,7 @@ in a section that is at rest in space: rotation and advance of the threads cance
 rollers this section turns at κ, although the screw itself turns at 1 − κ.
 """
 
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -22,14 +22,16 @@ from ..dynamics import (
     ideal_carrier_ratio,
     steady_state,
 )
-from ..fields import Scalar, plain
+from ..fields import In, Scalar, plain
 from ..mechanism import Mechanism, Stage, require_type, stage_at
 from ..programs import physics
+from ..results import Result, lines_of
+from ..text import Line
 
 Phasing: TypeAlias = Literal["torsional", "transverse", "roller"]
 
 
-class ExcitationOrder(eqx.Module):
+class ExcitationOrder(Result):
     """A periodic excitation of the contacts, with its fundamental frequency and phases.
 
     Its h-th harmonic has `h · order` times the rotational frequency of the screw. At the roller at
@@ -37,13 +39,17 @@ class ExcitationOrder(eqx.Module):
     """
 
     #: Periods per turn of the screw.
-    order: Scalar
+    order: Annotated[Scalar, In("1")]
     #: Periods of the pattern around the screw; they give the phases of the rollers.
-    lobes: Scalar
+    lobes: Annotated[Scalar, In("1")]
     name: str = eqx.field(static=True)
     #: Contacts on which it acts.
     springs: tuple[str, ...] = eqx.field(static=True)
     description: str = eqx.field(static=True)
+
+    def lines(self) -> list[Line]:
+        """What `print` shows."""
+        return [Line("name", self.name), *lines_of(self), Line("what", self.description)]
 
 
 @physics("carrier_ratio")

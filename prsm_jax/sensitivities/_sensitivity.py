@@ -14,7 +14,13 @@ from .._errors import MissingDataError
 from ..fields import Scalar, as_optional_scalar, listed_names
 from ..mechanism import Mechanism, Parameter, find_parameters, of_one_design, what_follows
 from ..programs import one_program_where_possible
-from ..quantities import available_quantities, component_names, find_quantity
+from ..quantities import (
+    QuantityLike,
+    available_quantities,
+    component_names,
+    find_quantity,
+    quantity_name,
+)
 from ._derivatives import Mode, jacobian
 from ._kinks import one_sided
 from ._second import hessian
@@ -40,7 +46,7 @@ Numbers: TypeAlias = dict[str, Any]
 @of_one_design
 def sensitivity(
     mechanism: Mechanism,
-    quantities: Iterable[str] | None = None,
+    quantities: Iterable[QuantityLike] | None = None,
     parameters: Iterable[str] | None = None,
     *,
     speed: float | Scalar | None = None,
@@ -60,8 +66,9 @@ def sensitivity(
     **Arguments:**
 
     - `mechanism`: the mechanism.
-    - `quantities`: names from the catalogue; an array gives one row per component. Default: those
-      of `DEFAULT_QUANTITIES` that the mechanism has the data for.
+    - `quantities`: names from the catalogue, or functions of a mechanism that return one number;
+      an array gives one row per component. Default: those of `DEFAULT_QUANTITIES` that the
+      mechanism has the data for.
     - `parameters`: names of numbers of the mechanism. Default: lead, contact angle, roller radius.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `mode`: `"forward"`, `"reverse"`, or `"auto"`: forward where there are no more parameters
@@ -136,7 +143,7 @@ def _quantity_names(mechanism: Mechanism, quantities, speed, load) -> tuple[str,
                 f"({', '.join(DEFAULT_QUANTITIES)}); name the quantities"
             )
         return names
-    names = tuple(listed_names(quantities, "quantities"))
+    names = tuple(quantity_name(one) for one in listed_names(quantities, "quantities"))
     if not names:
         raise ValueError("quantities is empty; name at least one")
     for name in names:

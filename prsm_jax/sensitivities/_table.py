@@ -12,11 +12,12 @@ from jax.core import Tracer
 from jaxtyping import Array, Bool, Float
 
 from ..mechanism import dependents_in_words
+from ..results import Shown
 from ..text import NOT_DEFINED, TextTable, display_unit, state_without_efficiency
 from ._kinks import differ
 
 
-class Sensitivity(eqx.Module):
+class Sensitivity(Shown, eqx.Module):
     """Derivatives of quantities (rows) with respect to parameters (columns).
 
     A pytree: the arrays may be traced or batched, the names are static.

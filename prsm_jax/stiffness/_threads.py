@@ -1,30 +1,31 @@
 """Thread contact stiffness of one roller: given, or from contacts that share the load."""
 
 from collections.abc import Callable
+from typing import Annotated
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
 from ..contact import StageContact, ThreadContactSide, stage_contact
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..geometry import Meshing
 from ..load_sharing import LoadDistribution, SideLoads, stage_load_distribution
 from ..mechanism import Stage, total_factor
 from ..numerics import above_or_nan
+from ..results import Result
 
 
-class ThreadStiffness(eqx.Module):
+class ThreadStiffness(Result):
     """Thread contact stiffness of one roller, all its engaged threads in parallel [N/m]."""
 
-    screw_roller: Scalar
-    nut_roller: Scalar
+    screw_roller: Annotated[Scalar, In("N/m")]
+    nut_roller: Annotated[Scalar, In("N/m")]
     #: Of each roller present, if a load distribution has unlike rollers; no further factor then
     #: applies, and `screw_roller` and `nut_roller` are those of its first class.
-    screw_each: Float[Array, " rollers"] | None = None
-    nut_each: Float[Array, " rollers"] | None = None
+    screw_each: Annotated[Float[Array, " rollers"] | None, In("N/m")] = None
+    nut_each: Annotated[Float[Array, " rollers"] | None, In("N/m")] = None
 
 
 def loaded_threads(

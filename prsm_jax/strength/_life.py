@@ -1,13 +1,15 @@
 """Rating life: in turns of the screw, with a load spectrum on one or both flanks."""
 
-import equinox as eqx
+from typing import Annotated
+
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..mechanism import Stage, of_one_design
 from ..numerics import above_or_nan
 from ..programs import physics
+from ..results import Result
 from ._contacts import preload_of
 from ._fatigue import WEIBULL_SLOPE
 from ._load_spectrum import LoadSpectrum, mean_load
@@ -16,15 +18,15 @@ from ._preload import flank_loads
 from ._truncation import TruncatedFatigue
 
 
-class RatingLife(eqx.Module):
+class RatingLife(Result):
     """Basic rating life of one stage, for a survival of 90 %; ∞ without load."""
 
     #: Turns of the screw.
-    revolutions: Scalar
+    revolutions: Annotated[Scalar, In("1")]
     #: Operating time, standstill included [s].
-    time: Scalar
+    time: Annotated[Scalar, In("s")]
     #: Travel of the nut, the sum of both directions [m].
-    distance: Scalar
+    distance: Annotated[Scalar, In("m")]
 
 
 def basic_life(capacity: Scalar, load: Scalar) -> Scalar:

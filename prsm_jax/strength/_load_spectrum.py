@@ -1,28 +1,36 @@
 """Load spectrum: loads with the angle of rotation and the duration of each."""
 
-from typing import Protocol, runtime_checkable
+from typing import Annotated, Protocol, runtime_checkable
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from .._errors import MissingDataError
-from ..fields import Scalar
+from ..fields import In, Scalar
 from ..mechanism import DutyCycle, Mechanism
 from ..numerics import above_or_nan
+from ..results import Result, lines_of
+from ..text import Line
 from ._powers import positive_power
 
 
-class LoadSpectrum(eqx.Module):
+class LoadSpectrum(Result):
     """Phases of constant load and speed, in any order."""
 
     #: Axial load; its sign gives the flank [N].
-    load: Float[Array, " phases"]
+    load: Annotated[Float[Array, " phases"], In("N")]
     #: Angle that the screw turns through in each phase, the sum of both directions [rad].
-    turned_angle: Float[Array, " phases"]
+    turned_angle: Annotated[Float[Array, " phases"], In("rad")]
     #: [s]
-    duration: Float[Array, " phases"]
+    duration: Annotated[Float[Array, " phases"], In("s")]
+
+    def lines(self) -> list[Line]:
+        """What `print` shows."""
+        turns = np.asarray(self.turned_angle) / (2 * np.pi)
+        load, _, duration = lines_of(self)
+        return [load, Line("turns of the screw", turns), duration]
 
     @property
     def possible(self) -> Bool[Array, ""]:

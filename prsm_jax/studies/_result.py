@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..results import Shown
 from ..text import TextTable
 from ._conflict import plain
 from ._parts import StudyParts
@@ -12,8 +13,8 @@ from ._printing import sentences_of, text_of
 from ._tables import tables_of
 
 
-@dataclass(frozen=True)
-class DriverStudy(StudyParts):
+@dataclass(frozen=True, repr=False)
+class DriverStudy(Shown, StudyParts):
     """Effect of drivers on quantities, conflicts of quantities, and the best compromises.
 
     - `title`: of the mechanism.

@@ -20,7 +20,7 @@ from .._version import __version__
 from ..fields import Scalar
 from ..mechanism import Mechanism, find_parameters, of_one_known_design
 from ..process import placing_in, put_folder, real_path, temporary_folder
-from ..quantities import find_quantity
+from ..quantities import QuantityLike, find_quantity, is_function, quantity_name
 from ._labels import empty_dataset
 from ._plan import PlanName, blocks_of, plan_of
 from ._run import Job, run_blocks
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 def sweep(
     mechanism: Mechanism,
     axes: Mapping[str, Iterable[Any]],
-    quantities: Iterable[str],
+    quantities: Iterable[QuantityLike],
     *,
     plan: PlanName = "grid",
     points: int | None = None,
@@ -79,7 +79,8 @@ def sweep(
     - `mechanism`: the mechanism.
     - `axes`: values [SI] by the name of a parameter, among them `operating_point.speed` and
       whole numbers such as `roller_count`; in the order of the data set's dimensions.
-    - `quantities`: names from the catalogue.
+    - `quantities`: names from the catalogue; without store and executor also functions of a
+      mechanism that return one number.
     - `plan`: `"grid"`: all combinations of the values. `"list"`: the first value of every axis,
       then the second, and so on. `"lhs"`: a Latin hypercube, or `"sobol"`: Sobol's sequence, of
       `points` designs between two limits on every axis.
@@ -120,7 +121,13 @@ def sweep(
         import xarray  # noqa: F401
     except ImportError as error:
         raise missing_extra("sweep", "a sweep", error) from error
-    names = _names("quantities", quantities)
+    names = tuple(map(quantity_name, _names("quantities", quantities)))
+    own = [name for name in names if is_function(name)]
+    if own and (store is not None or executor is not None):
+        raise ValueError(
+            f"quantities has the function {own[0]}, which a store or another process does not "
+            "know; add it to the catalogue by the decorator prsm_jax.quantity"
+        )
     if not names:
         raise ValueError("quantities is empty; name at least one")
     for name in names:
@@ -188,7 +195,7 @@ def _point(speed, load) -> dict[str, float | None]:
     }
 
 
-def _names(argument: str, names: Iterable[str]) -> tuple[str, ...]:
+def _names(argument: str, names: Iterable[Any]) -> tuple[Any, ...]:
     """Names without repetitions: a quantity that is named twice is one variable."""
     if isinstance(names, str):
         raise ValueError(f"{argument} is the text {names!r}; give a list of names")

@@ -11,6 +11,7 @@ from ._display_units import (
     state_without_efficiency as state_without_efficiency,
     trimmed as trimmed,
 )
+from ._lines import Line as Line, aligned as aligned, html_table as html_table
 from ._plain_text import (
     markdown as markdown,
     printable as printable,

@@ -34,6 +34,7 @@ _SHOWN: dict[str, tuple[DisplayUnit, ...]] = {
         DisplayUnit("m", 1.0),
         DisplayUnit("km", 1e-3),
     ),
+    "m²": (DisplayUnit("mm²", 1e6),),
     "rad": (DisplayUnit("deg", 180 / math.pi),),
     "rad/s": (DisplayUnit("rpm", 30 / math.pi),),
     "N": (DisplayUnit("N", 1.0), DisplayUnit("kN", 1e-3)),

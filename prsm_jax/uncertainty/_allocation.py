@@ -9,6 +9,7 @@ import numpy as np
 from ..fields import Scalar, as_optional_scalar
 from ..mechanism import Mechanism, Tolerance, find_parameters, of_one_known_design
 from ..quantities import quantity_of
+from ..results import Shown
 from ..text import TextTable, display_unit
 from ._inputs import Inputs, inputs_of
 from ._limits import limits_of
@@ -19,8 +20,8 @@ from ._tolerance import derivatives, limit_of, tolerance
 WIDEST = 10.0
 
 
-@dataclasses.dataclass(frozen=True)
-class Allocation:
+@dataclasses.dataclass(frozen=True, repr=False)
+class Allocation(Shown):
     """Tolerances of least cost for a wanted yield.
 
     - `before`, `tolerances`: given and allocated tolerances, with their costs.
@@ -154,8 +155,8 @@ def allocate_tolerances(
     )
 
 
-@dataclasses.dataclass(frozen=True)
-class CostCurve:
+@dataclasses.dataclass(frozen=True, repr=False)
+class CostCurve(Shown):
     """Least cost of the tolerances for each of several yields.
 
     - `yields`: wanted shares of mechanisms within all limits.
@@ -167,6 +168,11 @@ class CostCurve:
     costs: np.ndarray
     given_yield: float
     given_cost: float
+
+    def __str__(self) -> str:
+        rows = [("given", self.given_yield, self.given_cost)]
+        rows += [("least cost", *pair) for pair in zip(self.yields, self.costs, strict=True)]
+        return TextTable("Cost of tolerances", ("", "yield", "cost"), rows).text().rstrip()
 
 
 #: Yields of a cost curve.

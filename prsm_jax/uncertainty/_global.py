@@ -12,14 +12,15 @@ from .._errors import missing_extra
 from ..fields import Scalar, as_optional_scalar
 from ..mechanism import Mechanism, Tolerance, get_parameter, of_one_known_design
 from ..quantities import named_quantities, quantity_of
+from ..results import Shown
 from ..text import TextTable
 from ._inputs import Inputs, inputs_of
 from ._programs import gradients_of_designs
 from ._sampling import CHUNK, by_component, evaluate_points, points
 
 
-@dataclasses.dataclass(frozen=True)
-class GlobalSensitivity:
+@dataclasses.dataclass(frozen=True, repr=False)
+class GlobalSensitivity(Shown):
     """Measures of the influence of parameters (columns) on quantities (rows).
 
     - `quantities`, `units`: single numbers and their SI units.

@@ -5,11 +5,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..mechanism import DesignProblem
+from ..quantities import quantity_name
 
 Limits = dict[str, tuple[float, float]]
 
 
-def limits_of(problem: DesignProblem | None, given: Mapping[str, Any] | None) -> Limits:
+def limits_of(problem: DesignProblem | None, given: Mapping[Any, Any] | None) -> Limits:
     """Lower and upper limit of each quantity [SI], infinite where there is none.
 
     Limits in the argument replace those of the same quantity in the design problem. An equality
@@ -21,7 +22,8 @@ def limits_of(problem: DesignProblem | None, given: Mapping[str, Any] | None) ->
     for one in () if problem is None else problem.constraints:
         if one.equal is None:
             limits[one.quantity] = _pair(one.quantity, (one.lower, one.upper))
-    for name, pair in (given or {}).items():
+    for quantity, pair in (given or {}).items():
+        name = quantity_name(quantity)
         limits[name] = _pair(name, pair)
     return limits
 

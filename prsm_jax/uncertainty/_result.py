@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..mechanism import Tolerance
+from ..results import Shown
 from ..text import TextTable, display_unit
 from ._estimates import PROBABILITIES, Estimate
 from ._zone_ends import ZoneEnds
@@ -56,8 +57,8 @@ class MethodResult:
         return self.failed < max(self.samples, 1)
 
 
-@dataclasses.dataclass(frozen=True)
-class ToleranceAnalysis:
+@dataclasses.dataclass(frozen=True, repr=False)
+class ToleranceAnalysis(Shown):
     """Scatter of quantities due to tolerances, by one or several methods.
 
     - `quantities`, `units`, `limits`: single numbers with SI units and limits (`None`: no limit).

@@ -12,6 +12,7 @@ from ..mechanism import Mechanism, Tolerance, of_one_known_design
 from ..quantities import (
     REASONS,
     Quantity,
+    QuantityLike,
     available_quantities,
     named_quantities,
     quantity_of,
@@ -43,8 +44,8 @@ _FEWEST = 2 * SCRAMBLINGS
 @of_one_known_design
 def tolerance(
     mechanism: Mechanism,
-    quantities: Iterable[str] | None = None,
-    limits: Mapping[str, Any] | None = None,
+    quantities: Iterable[QuantityLike] | None = None,
+    limits: Mapping[Any, Any] | None = None,
     *,
     method: str = "all",
     samples: int = 4096,
@@ -64,8 +65,9 @@ def tolerance(
     **Arguments:**
 
     - `mechanism`: the mechanism.
-    - `quantities`: names from the catalogue; default those with limits, or else those of
-      `DEFAULT_QUANTITIES` that the mechanism has the data for. Those with limits are added.
+    - `quantities`: names from the catalogue, or functions of a mechanism; default those with
+      limits, or else those of `DEFAULT_QUANTITIES` that the mechanism has the data for. Those with
+      limits are added.
     - `limits`: (lower, upper) [SI] by the name of a quantity, `None` for no limit. They replace
       the limits of the same quantity in the mechanism's design problem; its others still hold.
     - `method`: `"first_order"` (normal distribution from gradients), `"second_order"` (with all

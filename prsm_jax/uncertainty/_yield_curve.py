@@ -8,6 +8,8 @@ import numpy as np
 
 from ..fields import Scalar
 from ..mechanism import Mechanism, Tolerance, of_one_known_design
+from ..results import Shown
+from ..text import TextTable
 from ._allocation import widened, widest_factor
 from ._inputs import inputs_of
 from ._sampling import Progress
@@ -16,8 +18,8 @@ from ._tolerance import tolerance
 _FACTORS = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 
 
-@dataclasses.dataclass(frozen=True)
-class YieldCurve:
+@dataclasses.dataclass(frozen=True, repr=False)
+class YieldCurve(Shown):
     """Share of mechanisms within all limits, for tolerances that are wider by common factors.
 
     - `factors`: widths of all zones relative to the given widths.
@@ -28,6 +30,11 @@ class YieldCurve:
     factors: np.ndarray
     yields: dict[str, np.ndarray]
     errors: dict[str, np.ndarray]
+
+    def __str__(self) -> str:
+        columns = ("width of zones", *(f"yield, {name.replace('_', ' ')}" for name in self.yields))
+        rows = list(zip(self.factors.tolist(), *self.yields.values(), strict=True))
+        return TextTable("Share within all limits", columns, rows).text().rstrip()
 
 
 @of_one_known_design

@@ -15,8 +15,10 @@ from ..fields import Scalar, old_name
 from ..geometry import mesh
 from ..load_sharing import LoadDistribution
 from ..mechanism import Mechanism, find_parameters, of_one_design, set_parameter, stage_at
-from ..programs import AbstractResult, each, one_program_where_possible
+from ..programs import each, one_program_where_possible
+from ..results import DesignResult
 from ..stiffness import loaded_threads, thread_stiffness
+from ..text import Line
 from ._dense import stage_modes
 from ._families import FAMILIES, family_shares
 from ._grouped_modes import COUPLED
@@ -42,7 +44,7 @@ class Veering:
     frequencies: tuple[float, float]
 
 
-class FrequencyLoci(AbstractResult):
+class FrequencyLoci(DesignResult):
     """Natural frequencies of one stage as curves over a parameter.
 
     In a symmetric stage each family has its own curves: curves of different families cross, curves
@@ -76,6 +78,14 @@ class FrequencyLoci(AbstractResult):
     def batch_shape(self) -> tuple[int, ...]:
         """Axes of a batch of curves; empty for a single design."""
         return self.valid.shape[:-1]
+
+    def lines(self) -> list[Line]:
+        """What `print` shows: the range of each family of curves."""
+        curves = [
+            Line(family.replace("_", " "), rows, "Hz") for family, rows in self.frequencies.items()
+        ]
+        points = Line("points that mesh", self.valid)
+        return [Line(self.parameter, self.values, self.unit), points, *curves]
 
     @each
     def veerings(self) -> tuple[Veering, ...]:

@@ -4,12 +4,17 @@ from collections.abc import Callable
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-from ..programs import AbstractResult, listed, mapped, one_program
+from ..programs import listed, mapped, one_program
+from ..results import DesignResult
+from ..text import Line
 from ._spring_modes import RIGID_SHARE, clusters
 from .model import Coordinate, SpringNetwork, kinetic_energies, shares, strain_energies
 
+#: Frequencies of a group that are printed one by one.
+_LISTED = 20
 #: Family of a group whose modes are not separated by symmetry.
 COUPLED = "coupled"
 
@@ -37,7 +42,7 @@ def _ascending(groups: tuple[ModeGroup, ...]) -> Float[Array, " degrees"]:
     return jnp.where(jnp.isnan(ascending[-1]), jnp.nan, ascending)
 
 
-class GroupedModes(AbstractResult):
+class GroupedModes(DesignResult):
     """Natural frequencies in groups, and on request the mode shapes.
 
     `frequencies` lists all degrees of freedom in ascending order, repeated roots repeated;
@@ -54,6 +59,25 @@ class GroupedModes(AbstractResult):
     def batch_shape(self) -> tuple[int, ...]:
         """Axes of a batch of modes; empty for a single design."""
         return self.groups[0].frequencies.shape[:-1]
+
+    def lines(self) -> list[Line]:
+        """What `print` shows: the distinct frequencies of each group; rigid motions have 0."""
+        every = np.concatenate([np.ravel(group.frequencies) for group in self.groups])
+        # NaN, of a design that cannot be computed, is no rigid motion.
+        highest = np.fmax.reduce(every, initial=0.0)
+        lines: list[Line] = []
+        rigid = 0
+        for group in self.groups:
+            numbers = np.asarray(group.frequencies)
+            label = group.family.replace("_", " ")
+            if not self.batch_shape:
+                moves = ~(numbers <= RIGID_SHARE * highest)
+                rigid += group.multiplicity * int(np.sum(~moves))
+                numbers = numbers[moves]
+            if group.multiplicity > 1:
+                label += f" (×{group.multiplicity})"
+            lines.append(Line(label, numbers, "Hz", most=_LISTED))
+        return [*lines, Line("rigid motions", rigid)] if rigid else lines
 
     def _repeated(self) -> Float[Array, " degrees"]:
         return _repeated(self.groups)

@@ -10,6 +10,7 @@ GROUND: dict[str, set[str]] = {
     "text": set(),
     "process": set(),
     "fields": {"numerics"},
+    "results": {"programs", "text", "process", "fields"},
 }
 #: Each room and the rooms that it may use, directly; errors and the version serve all.
 LAYERS = {
@@ -42,6 +43,7 @@ _PHYSICS = LAYERS["findings"] | {"findings"}
 LAYERS["sensitivities"] = LAYERS["optimisation"] = LAYERS["sweeps"] = _PHYSICS
 LAYERS["uncertainty"] = _PHYSICS
 LAYERS["calibration"] = LAYERS["explanation"] = _PHYSICS | {"file"}
+LAYERS["dimensioning"] = _PHYSICS | {"catalogue_sizes"}
 LAYERS["validation"] = _PHYSICS | {"file", "catalogue_sizes"}
 LAYERS["studies"] = _PHYSICS | {"sensitivities", "optimisation", "sweeps", "explanation", "file"}
 LAYERS["report"] = _PHYSICS | {

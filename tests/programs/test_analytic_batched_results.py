@@ -137,7 +137,8 @@ def _read(result) -> dict[str, Any]:
     """Every public property, and what every public method gives."""
     found, kind = {}, type(result)
     for name in dir(kind):
-        if name.startswith("_") or name == "batch_shape":
+        # What is printed and drawn has tests of its own (tests/reading, tests/report).
+        if name.startswith("_") or name in ("batch_shape", "lines", "plot"):
             continue
         member = inspect.getattr_static(kind, name)
         if isinstance(member, property):

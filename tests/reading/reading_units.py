@@ -100,8 +100,8 @@ def parse(text: str) -> tuple[float, float]:
 #: A number, and what may be its unit.
 _WITH_UNIT = re.compile(
     rf"(?P<number>{NUMBER.pattern})"
-    rf"(?:[ {_SPACES}]?(?P<unit>(?:kg·mm²|kg/m³|N·s/m|mm·rpm|N/µm|N·m|mm/s|m/s|MPa|GPa|kHz|Hz|rpm|"
-    r"deg|°|%|points|turns|µm|mm|km|kN|kW|kJ|mJ|kg|ms|Pa|N|W|J|m|g|s|h)(?![\w/·²]))?)?"
+    rf"(?:[ {_SPACES}]?(?P<unit>(?:kg·mm²|mm²|kg/m³|N·s/m|mm·rpm|N/µm|N·m|mm/s|m/s|MPa|GPa|kHz|Hz|"
+    r"rpm|deg|°|%|points|turns|µm|mm|km|kN|kW|kJ|mJ|kg|ms|Pa|N|W|J|m|g|s|h)(?![\w/·²]))?)?"
 )
 
 

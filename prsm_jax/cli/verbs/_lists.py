@@ -44,8 +44,8 @@ def example(
     *,
     output: Output = _DEFAULT,
 ) -> int:
-    """Print a shipped example as a file to start from; --out writes it into a folder."""
-    from ...file import example_names, example_text
+    """List the shipped examples, or print one as a file to start from; --out writes the file."""
+    from ...file import example_names, example_summary, example_text
 
     output.check_targets()
     if output.out is not None:
@@ -55,7 +55,10 @@ def example(
         make_folder(output.out)
         write_text(output.out / f"{name}.toml", text)
     if name is None:
-        emit(output, {"examples": example_names()}, lambda: "\n".join(example_names()))
+        titles = {one: example_summary(one) for one in example_names()}
+        table = TextTable("Examples", ("name", "what it is"), list(titles.items()))
+        results = {"examples": example_names(), "titles": titles}
+        emit(output, results, lambda: table.text(terminal_width()))
     else:
         emit(output, {"name": name, "text": example_text(name)}, lambda: example_text(name))
     return 0

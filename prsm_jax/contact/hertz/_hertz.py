@@ -1,15 +1,15 @@
 """Elliptical Hertz contact: pressure, semi-axes, approach and stiffness."""
 
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from ...fields import Scalar
+from ...fields import In, Scalar
 from ...mechanism import ContactMethod, Material
 from ...numerics import above_or_nan
 from ...programs import physics
+from ...results import Result
 from ._methods import ellipse_by
 
 #: A name, or a function of τ = (B − A)/(A + B) that returns κ = b/a, K and E.
@@ -20,18 +20,18 @@ HertzMethod: TypeAlias = ContactMethod
 _LEAST_CUBE = 1e-140
 
 
-class HertzContact(eqx.Module):
+class HertzContact(Result):
     """Result of an elliptical Hertz contact under a normal force."""
 
-    semi_major: Scalar
-    semi_minor: Scalar
-    max_pressure: Scalar
+    semi_major: Annotated[Scalar, In("m")]
+    semi_minor: Annotated[Scalar, In("m")]
+    max_pressure: Annotated[Scalar, In("Pa")]
     #: Normal approach of the two bodies δ [m].
-    approach: Scalar
+    approach: Annotated[Scalar, In("m")]
     #: Secant stiffness F/δ [N/m].
-    stiffness: Scalar
+    stiffness: Annotated[Scalar, In("N/m")]
     #: Tangent stiffness dF/dδ = 3/2 F/δ [N/m].
-    stiffness_tangent: Scalar
+    stiffness_tangent: Annotated[Scalar, In("N/m")]
     #: Complete elliptic integral of the second kind E(1 − κ²), used by the spin moment.
     second_elliptic_integral: Scalar
 

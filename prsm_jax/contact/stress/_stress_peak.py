@@ -1,16 +1,16 @@
 """Largest stress below an elliptical Hertz contact, and its position."""
 
 from collections.abc import Callable
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...fields import Scalar
+from ...fields import In, Scalar
 from ...numerics import above_or_nan, solve
 from ...programs import physics
+from ...results import Result
 from ._axis_stress import axis_stress
 from ._stress_measures import (
     max_shear_of_principal,
@@ -42,13 +42,13 @@ _STEPS = 3
 _REFINEMENTS = 8
 
 
-class StressPeak(eqx.Module):
+class StressPeak(Result):
     """Largest value of a stress measure, and its position."""
 
     #: [Pa]
-    value: Scalar
+    value: Annotated[Scalar, In("Pa")]
     #: (x, y, z) in the coordinates of the contact, z into the body [m].
-    position: Float[Array, "3"]
+    position: Annotated[Float[Array, "3"], In("m")]
 
     @property
     def depth(self) -> Scalar:

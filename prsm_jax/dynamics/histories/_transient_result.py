@@ -3,18 +3,20 @@
 import dataclasses
 import functools
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ...fields import Scalar
+from ...fields import In, Scalar
 from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, body_inertia, body_mass
 from ...numerics import any_few, over_samples, sum_few
-from ...programs import AbstractResult, listed
+from ...programs import listed
+from ...results import DesignResult, lines_of, outcome
+from ...text import Line
 from .._kinematics import StageKinematics, travel_per_turn
 from ..forces import (
     Scenario,
@@ -57,25 +59,30 @@ CANNOT_BE_BUILT, MEANS_NOTHING = 9, 11
 _OVERLAPPING, _IMPOSSIBLE, _NOT_FINITE, _NO_DURATION = 9, 10, 11, 12
 
 
-class SolverReport(AbstractResult):
+class SolverReport(DesignResult):
     """How the integration went."""
 
-    steps: Int[Array, ""]
-    rejected: Int[Array, ""]
+    steps: Annotated[Int[Array, ""], In("1")]
+    rejected: Annotated[Int[Array, ""], In("1")]
     #: 0 when successful; see `result`.
     code: Int[Array, ""]
     name: str = eqx.field(static=True)
     #: Largest error of the carrier ratio by terms that the method neglects, after settling; under a
     #: prescribed torque, error of the screw speed over the largest screw speed. `None` if no terms
     #: are neglected.
-    error_estimate: Scalar | None = None
+    error_estimate: Annotated[Scalar | None, In("1")] = None
     #: Longest time constant in which carriers settle, where the method neglects settling [s].
-    time_constant: Scalar | None = None
+    time_constant: Annotated[Scalar | None, In("s")] = None
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
         """Axes of the batch that this report is of; empty for a single design."""
         return self.code.shape
+
+    def lines(self) -> list[Line]:
+        """What `print` shows."""
+        names = [meaning.partition(":")[0] for meaning in _MEANINGS]
+        return [outcome(self.code, names), Line("method", self.name), *lines_of(self)]
 
     @property
     @listed
@@ -120,32 +127,32 @@ class Phase(eqx.Module):
     mode: Float[Array, " phases"]
 
 
-class Transient(AbstractResult):
+class Transient(DesignResult):
     """Time histories; stage × time where a stage is concerned."""
 
-    time: Float[Array, " times"]
-    screw_speed: Float[Array, " times"]
-    carrier_speed: Float[Array, "stages times"]
+    time: Annotated[Float[Array, " times"], In("s")]
+    screw_speed: Annotated[Float[Array, " times"], In("rad/s")]
+    carrier_speed: Annotated[Float[Array, "stages times"], In("rad/s")]
     #: ω/Ω; 0 while the screw stands still.
-    carrier_ratio: Float[Array, "stages times"]
+    carrier_ratio: Annotated[Float[Array, "stages times"], In("1")]
     efficiency: Float[Array, " times"]
-    drive_torque: Float[Array, " times"]
-    contact_force: Float[Array, "stages times"]
-    screw_roller_axial_force: Float[Array, "stages times"]
-    ring_gear_force: Float[Array, "stages times"]
-    carrier_force: Float[Array, "stages times"]
-    spline_friction: Float[Array, "stages times"]
+    drive_torque: Annotated[Float[Array, " times"], In("N·m")]
+    contact_force: Annotated[Float[Array, "stages times"], In("N")]
+    screw_roller_axial_force: Annotated[Float[Array, "stages times"], In("N")]
+    ring_gear_force: Annotated[Float[Array, "stages times"], In("N")]
+    carrier_force: Annotated[Float[Array, "stages times"], In("N")]
+    spline_friction: Annotated[Float[Array, "stages times"], In("N")]
     stage_torque: Float[Array, "stages times"]
     #: Power of each modelled loss [W].
-    losses: dict[str, Float[Array, " times"]]
+    losses: Annotated[dict[str, Float[Array, " times"]], In("W")]
     #: |drive − load − losses − rates of kinetic and bristle energy| over the largest power.
-    power_balance_residual: Float[Array, " times"]
+    power_balance_residual: Annotated[Float[Array, " times"], In("1")]
     #: Moment balance of the rollers about their axes, relative: Newton against Lagrange.
     newton_residual: Float[Array, "stages times"]
     #: Acceleration of the carriers ω̇ [rad/s²].
     carrier_acceleration: Float[Array, "stages times"]
     #: Load on the last nut [N].
-    load: Float[Array, " times"]
+    load: Annotated[Float[Array, " times"], In("N")]
     #: Unit vector of the slip of the screw over the roller, in the carrier's frame: radial,
     #: tangential, axial; without slip that of impending motion, if any.
     slip_direction: Float[Array, "stages times 3"]
@@ -153,14 +160,14 @@ class Transient(AbstractResult):
     #: Ω̇ [rad/s²]; `None` for a constant speed.
     screw_acceleration: Float[Array, " times"] | None = None
     #: Power that the load absorbs [W].
-    load_power: Float[Array, " times"] | None = None
+    load_power: Annotated[Float[Array, " times"] | None, In("W")] = None
     #: Rate at which bristles between the threads store energy [W]; `None` without such a law.
     bristle_power: Float[Array, " times"] | None = None
     #: Deflection of the bristles, in the carrier's frame [m]; 0 in stages without bristles.
     bristle_deflection: Float[Array, "stages times 3"] | None = None
     #: Travel of the last nut from its start [m], and whether the mechanism sticks; only under a
     #: prescribed torque.
-    position: Float[Array, " times"] | None = None
+    position: Annotated[Float[Array, " times"] | None, In("m")] = None
     sticking: Bool[Array, " times"] | None = None
     #: Phases of turning and sticking, under a prescribed torque.
     phases: Phase | None = None
@@ -169,6 +176,16 @@ class Transient(AbstractResult):
     def batch_shape(self) -> tuple[int, ...]:
         """Axes of the batch that these histories are of; empty for a single design."""
         return self.time.shape[:-1]
+
+    def lines(self) -> list[Line]:
+        """What `print` shows: the smallest and the largest number of each history."""
+        samples = Line("samples", self.time.shape[-1])
+        # In front, because a solver that gave up explains all that follows.
+        solver = [
+            dataclasses.replace(one, label=f"solver: {one.label}") for one in self.solver.lines()
+        ]
+        own = [one for one in lines_of(self) if not one.label.startswith("solver: ")]
+        return [*solver[:3], samples, *own]
 
 
 def _kinetic_power(mechanism: Mechanism, carrier_speed, acceleration, speed, screw_acceleration):

@@ -1,16 +1,18 @@
 """Forces on every part, in Newton's formulation."""
 
 import dataclasses
+from typing import Annotated
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ...fields import Scalar
+from ...fields import In, Scalar
 from ...mechanism import Mechanism, of_one_design, require_type
 from ...numerics import length_few
-from ...programs import AbstractResult, mapped, one_program
+from ...programs import mapped, one_program
+from ...results import DesignResult
 from .._kinematics import StageKinematics, travel_per_turn
 from ..forces import sense_of
 from ..friction import bearing_torque, drag_torque, spline_force, with_resistance
@@ -46,7 +48,7 @@ class Instant(eqx.Module):
     bristle_deflection: Float[Array, "*times stages 3"] | None = None
 
 
-class BodyForces(AbstractResult):
+class BodyForces(DesignResult):
     """Forces on every part; arrays run over the stages, then over times, then over directions.
 
     Vectors are in the frame that turns with the stage's carrier: radial (from the screw's axis
@@ -56,43 +58,43 @@ class BodyForces(AbstractResult):
     """
 
     #: Normal force of the screw on one roller, all threads together [N].
-    screw_contact_force: Float[Array, "stages *times"]
+    screw_contact_force: Annotated[Float[Array, "stages *times"], In("N")]
     #: Normal force of the nut on one roller [N].
-    nut_contact_force: Float[Array, "stages *times"]
+    nut_contact_force: Annotated[Float[Array, "stages *times"], In("N")]
     #: Normal force of the screw as a vector, and friction of the screw on the roller [N].
-    screw_normal_on_roller: Float[Array, "stages *times 3"]
-    screw_friction_on_roller: Float[Array, "stages *times 3"]
-    nut_on_roller: Float[Array, "stages *times 3"]
+    screw_normal_on_roller: Annotated[Float[Array, "stages *times 3"], In("N")]
+    screw_friction_on_roller: Annotated[Float[Array, "stages *times 3"], In("N")]
+    nut_on_roller: Annotated[Float[Array, "stages *times 3"], In("N")]
     #: Tooth force of the ring gear on one end of a roller [N]; radial only if a gear is given.
-    ring_gear_on_roller: Float[Array, "stages *times 3"]
+    ring_gear_on_roller: Annotated[Float[Array, "stages *times 3"], In("N")]
     #: Force of one carrier's pin on one end of a roller [N].
-    pin_on_roller: Float[Array, "stages *times 3"]
+    pin_on_roller: Annotated[Float[Array, "stages *times 3"], In("N")]
     #: Resisting moments in the contacts of one roller (spin and rolling) [N·m]: of the screw and of
     #: the nut on the roller.
-    screw_moment_on_roller: Float[Array, "stages *times"]
-    nut_moment_on_roller: Float[Array, "stages *times"]
+    screw_moment_on_roller: Annotated[Float[Array, "stages *times"], In("N·m")]
+    nut_moment_on_roller: Annotated[Float[Array, "stages *times"], In("N·m")]
     #: Acceleration of a roller's centre of mass [m/s²].
     roller_acceleration: Float[Array, "stages *times 3"]
     #: ω̇ [rad/s²].
     carrier_acceleration: Float[Array, "stages *times"]
     #: Axial force of the nut on all its carriers together [N].
-    carrier_axial_force: Float[Array, "stages *times"]
+    carrier_axial_force: Annotated[Float[Array, "stages *times"], In("N")]
     #: Axial force on the nut by the next screw, or the load [N].
-    nut_load: Float[Array, "stages *times"]
+    nut_load: Annotated[Float[Array, "stages *times"], In("N")]
     #: Axial force of the screw on the previous nut, or the housing, through the thrust bearing [N].
-    thrust_bearing_force: Float[Array, "stages *times"]
+    thrust_bearing_force: Annotated[Float[Array, "stages *times"], In("N")]
     #: Friction torque of that bearing on the screw, against its turning [N·m].
-    thrust_bearing_torque: Float[Array, "stages *times"]
+    thrust_bearing_torque: Annotated[Float[Array, "stages *times"], In("N·m")]
     #: Torque of the spline on the screw; on the first screw, torque of the motor [N·m].
-    drive_torque: Float[Array, "stages *times"]
+    drive_torque: Annotated[Float[Array, "stages *times"], In("N·m")]
     #: Axial friction of the spline on the screw [N].
-    spline_friction: Float[Array, "stages *times"]
+    spline_friction: Annotated[Float[Array, "stages *times"], In("N")]
     #: Drag between screw and nut, against the turning of the screw [N·m].
-    drag_torque: Float[Array, "stages *times"]
+    drag_torque: Annotated[Float[Array, "stages *times"], In("N·m")]
     #: External torque that keeps the nut from turning [N·m].
-    anti_rotation_torque: Float[Array, "stages *times"]
+    anti_rotation_torque: Annotated[Float[Array, "stages *times"], In("N·m")]
     #: Whether the equations have a solution.
-    solved: Bool[Array, "*times"]
+    solved: Annotated[Bool[Array, "*times"], In("1")]
     #: Whether the arrays have an axis of times.
     over_time: bool = eqx.field(static=True, default=False)
 

@@ -1,18 +1,20 @@
 """Steady state, without integration."""
 
 import dataclasses
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from ...contact import load_of, speed_of
-from ...fields import Scalar
+from ...fields import In, Scalar
 from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, of_one_design
 from ...numerics import above_or_nan, apart, dot_few, length_few, sum_few
-from ...programs import AbstractResult, listed, one_program, physics
+from ...programs import listed, one_program, physics
+from ...results import DesignResult, lines_of, outcome
+from ...text import Line
 from .._kinematics import StageKinematics, stage_kinematics, travel_per_turn, travel_share
 from ..forces import (
     Motion,
@@ -69,40 +71,40 @@ def steady_meaning(name: str) -> str:
     return _MEANINGS[STEADY_RESULTS.index(name)]
 
 
-class SteadyState(AbstractResult):
+class SteadyState(DesignResult):
     """Steady operating point of a mechanism; arrays run over the stages.
 
     `efficiency` is output power over input power. The output is that of the nut when the screw
     drives, and that of the screw when the load drives it back (then negative if self-locking).
     """
 
-    efficiency: Scalar
+    efficiency: Annotated[Scalar, In("1")]
     #: Screw speed [rad/s].
-    screw_speed: Scalar
+    screw_speed: Annotated[Scalar, In("rad/s")]
     #: ω/Ω of each stage.
-    carrier_ratio: Float[Array, " stages"]
+    carrier_ratio: Annotated[Float[Array, " stages"], In("1")]
     #: Torque at the first screw [N·m].
-    drive_torque: Scalar
+    drive_torque: Annotated[Scalar, In("N·m")]
     #: Normal force of the screw on one roller, all its threads together [N].
-    contact_force: Float[Array, " stages"]
+    contact_force: Annotated[Float[Array, " stages"], In("N")]
     #: Axial part of it [N].
-    screw_roller_axial_force: Float[Array, " stages"]
+    screw_roller_axial_force: Annotated[Float[Array, " stages"], In("N")]
     #: Load on each nut [N].
-    nut_load: Float[Array, " stages"]
+    nut_load: Annotated[Float[Array, " stages"], In("N")]
     #: Slip speed of the screw over the roller [m/s].
-    slip_speed: Float[Array, " stages"]
+    slip_speed: Annotated[Float[Array, " stages"], In("m/s")]
     #: Unit vector of the slip of the screw over the roller, in the carrier's frame: radial,
     #: tangential, axial; at standstill that of impending motion.
     slip_direction: Float[Array, "stages 3"]
-    ring_gear_force: Float[Array, " stages"]
-    carrier_force: Float[Array, " stages"]
-    spline_friction: Float[Array, " stages"]
+    ring_gear_force: Annotated[Float[Array, " stages"], In("N")]
+    carrier_force: Annotated[Float[Array, " stages"], In("N")]
+    spline_friction: Annotated[Float[Array, " stages"], In("N")]
     #: Power of each modelled loss [W].
-    losses: dict[str, Scalar]
-    input_power: Scalar
-    output_power: Scalar
+    losses: Annotated[dict[str, Scalar], In("W")]
+    input_power: Annotated[Scalar, In("W")]
+    output_power: Annotated[Scalar, In("W")]
     #: |input − output − losses| / input.
-    power_balance_residual: Scalar
+    power_balance_residual: Annotated[Scalar, In("1")]
     #: False where the meshing has no solution, a thread jams, the carrier cannot turn, no such
     #: mechanism can be built (a dimension out of range, rollers that overlap), or a number here is
     #: NaN or infinite.
@@ -116,6 +118,10 @@ class SteadyState(AbstractResult):
     def batch_shape(self) -> tuple[int, ...]:
         """Axes of the batch that this steady state is of; empty for a single design."""
         return self.efficiency.shape
+
+    def lines(self) -> list[Line]:
+        """What `print` shows."""
+        return [outcome(self.code, STEADY_RESULTS), *lines_of(self)]
 
     @property
     @listed

@@ -21,6 +21,7 @@ from ._numbers import (
     read_integer as read_integer,
     read_number as read_number,
     read_numbers as read_numbers,
+    read_quantity as read_quantity,
     round_in_unit as round_in_unit,
     write_number as write_number,
 )

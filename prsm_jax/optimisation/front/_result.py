@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...mechanism import DesignProblem, Mechanism, Objective, set_parameters
+from ...results import Shown
 from ...text import TextTable, display_unit, state_without_efficiency
 from ._dominance import hypervolume
 
@@ -55,8 +56,8 @@ class FrontPoint:
         }
 
 
-@dataclass(frozen=True)
-class ParetoFront:
+@dataclass(frozen=True, repr=False)
+class ParetoFront(Shown):
     """The designs found that no other design dominates; prints itself.
 
     `points` are ordered by the first objective, the best first. No point of them is dominated by

@@ -6,6 +6,7 @@ from typing import Any
 
 from ...geometry import Finding
 from ...mechanism import DesignProblem, Mechanism
+from ...results import Shown
 from ._printing import text_of
 
 
@@ -130,8 +131,8 @@ class Trial:
         }
 
 
-@dataclass(frozen=True)
-class Optimum:
+@dataclass(frozen=True, repr=False)
+class Optimum(Shown):
     """The best feasible design that was found; prints itself.
 
     `feasible` means: every constraint and every error limit of `check` is satisfied.

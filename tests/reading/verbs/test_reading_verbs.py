@@ -4,6 +4,7 @@ The analyses themselves are replaced by results of which no two numbers are alik
 """
 
 import dataclasses
+import tomllib
 from types import SimpleNamespace
 
 import numpy as np
@@ -331,7 +332,10 @@ def test_quantities(run):
 def test_examples(run):
     from prsm_jax.file import example_names, example_text
 
-    found, _ = run("example")
-    assert found == {"examples": list(example_names())}
+    found, printed = run("example")
+    titles = {name: tomllib.loads(example_text(name))["title"] for name in example_names()}
+    assert found == {"examples": list(example_names()), "titles": titles}
+    for name, title in titles.items():
+        assert printed.row(name) == [title]
     found, _ = run("example", "wu2022")
     assert found == {"name": "wu2022", "text": example_text("wu2022")}

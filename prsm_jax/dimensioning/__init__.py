@@ -1,0 +1,5 @@
+"""A first design for five requirements, from the sizes of a catalogue and the rules of strength."""
+
+from ._dimension import Dimensioning as Dimensioning, dimension as dimension
+from ._requirements import Requirements as Requirements
+from ._sizes import nut_outer_diameter as nut_outer_diameter
