@@ -7,6 +7,7 @@ from ..geometry import Finding as Finding
 from ._check import (
     CheckNumbers as CheckNumbers,
     check as check,
+    check_from as check_from,
     check_numbers as check_numbers,
     margin_numbers as margin_numbers,
 )

@@ -262,6 +262,17 @@ class Mechanism(Limited, Shown):
             )
         check_axis(self)
 
+    def __str__(self) -> str:
+        return aligned(*printed(self, lambda: lines_of_mechanism(self)))
+
+    def __repr__(self) -> str:
+        count = len(self.stages)
+        named = f" {short_label(self.title)!r}" if self.title else ""
+        return f"<Mechanism{named}: {count} stage{'s' * (count != 1)}>"
+
+    def _repr_html_(self) -> str:
+        return html_table(*printed(self, lambda: lines_of_mechanism(self)))
+
 
 def check_axis(mechanism: Mechanism) -> None:
     """Check that an axis fits its mechanism.
@@ -285,17 +296,6 @@ def check_axis(mechanism: Mechanism) -> None:
             "against turning; remove one of them (axis.motor.controller holds the motor)"
         )
     check_distances(axis, screw)
-
-    def __str__(self) -> str:
-        return aligned(*printed(self, lambda: lines_of_mechanism(self)))
-
-    def __repr__(self) -> str:
-        count = len(self.stages)
-        named = f" {short_label(self.title)!r}" if self.title else ""
-        return f"<Mechanism{named}: {count} stage{'s' * (count != 1)}>"
-
-    def _repr_html_(self) -> str:
-        return html_table(*printed(self, lambda: lines_of_mechanism(self)))
 
 
 # Set after the class is created: inside it, this would be taken as the default.

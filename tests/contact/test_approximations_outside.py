@@ -283,7 +283,8 @@ def test_assumptions_name_the_approximation():
 
 def test_on_the_command_line(tmp_path, capsys, monkeypatch):
     """Loaded by `--plugin`; programs of earlier runs are not taken for it."""
-    from prsm_jax.cli import _plugins, _programs, main
+    from prsm_jax.cli import _plugins, main
+    from prsm_jax.programs import _stored
 
     monkeypatch.setattr(_plugins, "_loaded", [])
     file.dump(mechanism(stage(curvature="wu2022", material=STEEL)), tmp_path / "one.toml")
@@ -293,7 +294,7 @@ def test_on_the_command_line(tmp_path, capsys, monkeypatch):
     assert main([f"--plugin={FOLDER / 'circle.py'}", *words, "--json", "-"]) == 0
     nut = json.loads(capsys.readouterr().out)["stages"][0]["nut"]
     assert nut["semi_major_m"] == nut["semi_minor_m"]
-    assert _programs._is_known(_one())
-    assert _programs._is_known(_one("power"))
-    assert not _programs._is_known(_one("circle"))
+    assert _stored._is_known(_one())
+    assert _stored._is_known(_one("power"))
+    assert not _stored._is_known(_one("circle"))
     assert present(_one("circle").stages[0].contact_method).__module__.startswith("prsm_plugin_")

@@ -28,11 +28,11 @@ def _units_by_name(text):
     return units
 
 
-@pytest.mark.parametrize("example", prsm.example_names())
+@pytest.mark.parametrize("example", prsm.file.example_names())
 def test_every_number_of_an_example_is_in_it(example):
     units = _units_by_name(PAGE.read_text(encoding="utf-8"))
     derived = {one.name for one in DESIGN_VARIABLES}
-    for one in prsm.all_parameters(prsm.load(example)):
+    for one in prsm.mechanism.all_parameters(prsm.load(example)):
         name = one.path.rpartition(".")[2]
         if name not in derived:
             assert {one.unit, "that of the value"} & units[name], (one.path, one.unit)

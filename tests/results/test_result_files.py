@@ -33,7 +33,7 @@ def _same(first, second) -> bool:
     return bool(eqx.tree_equal(first, second, typematch=True))
 
 
-@pytest.mark.parametrize("name", prsm_jax.example_names())
+@pytest.mark.parametrize("name", prsm_jax.file.example_names())
 def test_every_example_is_read_back_exactly(name, tmp_path):
     mechanism = prsm_jax.load(name)
     again = _again(mechanism, tmp_path)

@@ -22,7 +22,10 @@ def mechanism_section(data: ReportData) -> Section:
     point = data.mechanism.operating_point
     if point is not None:
         operating = [
-            (f"{stages[0].thread.family.turning} speed", show(float(point.speed), "rad/s")),
+            (
+                f"{data.mechanism.stages[0].thread.family.turning} speed",
+                show(float(point.speed), "rad/s"),
+            ),
             ("axial load", show(float(point.load), "N")),
         ]
         if point.duration is not None:

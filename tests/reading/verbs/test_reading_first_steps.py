@@ -115,7 +115,7 @@ def test_a_new_file_is_the_mechanism_to_six_digits(at):
     assert main(["new", *_OPTIONS]) == 0
     read = prsm_jax.load(folder / "my_screw.toml")
     made = _mechanism(_ROW, Requirements(**_ASKED))
-    for one in prsm_jax.all_parameters(made):
+    for one in prsm_jax.mechanism.all_parameters(made):
         value = one.get(made)
         if value is not None:
             assert float(one.get(read)) == pytest.approx(float(value), rel=5e-6), one.path
