@@ -97,9 +97,9 @@ class SizeRules:
         return next(play for limit, play in _PLAY if pitch < limit)
 
 
-#: The lengths, the profile radii, the material factor and the friction are fits of the
-#: sizes of 8, 21, 30, 44, 56, 68 and 92 mm (`docs/catalogue_witness.md`). Small nuts are shorter
-#: than these ends allow; their least shares are those of the smallest size.
+#: Both ends, both profile ratios, the material factor and the friction are fits of the sizes of 8,
+#: 21, 30, 44, 56, 68 and 92 mm (`docs/catalogue_witness.md`). The least shares leave some thread in
+#: nuts that are shorter than those of the table.
 FITTED = SizeRules(
     roller_ends=14e-3,
     thread_ends=20e-3,

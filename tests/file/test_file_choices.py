@@ -17,6 +17,7 @@ from prsm_jax.mechanism import (
     Objective,
     ScrewShaft,
     Stage,
+    Strength,
     UnequalRoller,
 )
 from prsm_jax.scenario import PositionTableLoad, Scenario, TableProfile
@@ -51,6 +52,7 @@ WORDS = [
     (lambda word: LoadSharing(3, word), LoadSharing, "mounting"),
     (lambda word: ScrewShaft(word), ScrewShaft, "end_conditions"),
     (lambda word: AxialPlay(arrangement=word), AxialPlay, "arrangement"),
+    (lambda word: Strength(fatigue_rule=word), Strength, "fatigue_rule"),
     (lambda word: TableProfile([0.0, 1.0], [1.0, 2.0], word), TableProfile, "interpolation"),
     (lambda word: Objective("mass", word), Objective, "sense"),
 ]

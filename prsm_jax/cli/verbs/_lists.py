@@ -87,7 +87,8 @@ def validate(
 
     if source != "catalogue" and (rows is not None or every_size):
         option = "--rows" if rows is not None else "--all"
-        raise PrsmError(f"{option} belongs to prsm validate catalogue; {source or 'all'} was asked")
+        given = "all sources" if source is None else source
+        raise PrsmError(f"{option} belongs to prsm validate catalogue, not to {given}")
     output.check_targets()
     doing("computing published numbers")
     comparison = compare_catalogue(rows) if source == "catalogue" else None
