@@ -79,8 +79,9 @@ class AxisSystem(eqx.Module):
     @property
     def held_coordinate(self) -> Coordinate | None:
         """The degree of freedom that does not move, if the rotor is held."""
-        held = self.motor_held and self.motor is not None
-        return Coordinate(self.motor, "u") if held and self.motor is not None else None
+        if self.motor is None or not self.motor_held:
+            return None
+        return Coordinate(self.motor, "u")
 
     def mass(self, coordinate: Coordinate) -> Scalar | None:
         """Mass of a degree of freedom of the axis [kg]; `None` for one of the stage."""
