@@ -218,7 +218,8 @@ def _draw(
             )
         )
     axes.plot(axes.get_xlim(), (0, 0), color=MUTED, lw=0.5, ls=CHAIN)
-    _bearing(axes, highest)
+    for place in _bearings(mechanism):
+        _bearing(axes, place, highest)
     # Equal lengths on paper along and across the axis.
     wide, tall = np.ptp(axes.get_xlim()) / _SECTION, np.ptp(axes.get_ylim()) / _PANEL
     for part in parts:
@@ -261,14 +262,25 @@ def _two_digits(value: float) -> float:
     return float(f"{round(value / 10**power) * 10.0**power:.6g}")
 
 
-def _bearing(axes: Axes, size: float) -> None:
-    """The thrust bearing at the end of the screw, on the housing below the centre line."""
+def _bearings(mechanism: Mechanism) -> list[float]:
+    """Places of the bearings that hold the screw along the axis [mm]."""
+    support, axis = mechanism.stages[0].screw.support, mechanism.axis
+    places: list[float] = []
+    if support is not None and support.axial_stiffness is not None:
+        places.append(0.0)
+    if axis is not None and axis.shaft is not None and axis.shaft.far_bearing is not None:
+        places.append(1e3 * float(axis.shaft.far_bearing.distance))
+    return places
+
+
+def _bearing(axes: Axes, place: float, size: float) -> None:
+    """A thrust bearing, on the housing below the centre line."""
     base = -0.45 * size
     line: dict[str, Any] = {"color": MUTED, "lw": 0.8}
     low, high = axes.get_xlim()
     half = 0.012 * (high - low)
-    axes.plot((0, -half, half, 0), (0, base, base, 0), **line)
-    axes.plot((-2 * half, 2 * half), (base, base), **line)
+    axes.plot((place, place - half, place + half, place), (0, base, base, 0), **line)
+    axes.plot((place - 2 * half, place + 2 * half), (base, base), **line)
 
 
 def _strains(mode: SpatialMode) -> dict[str, float]:
