@@ -149,15 +149,20 @@ def _parts_of(mechanism: Mechanism) -> list[_Part]:
     half = nut_length / 2
     ends = middle - half, middle + half
     between = screw, screw + 2e3 * float(thread.roller_radius)
+    far = None if shaft is None else shaft.far_bearing
+    free = "screw" if far is None else "screw_far_end"
+    last = length if far is None else 1e3 * float(far.distance)
     parts = [
         _Part("screw", (0.0, middle), (0.0, screw), (near, "screw"), near, 0.1 * middle),
-        _Part("screw", (middle, length), (0.0, screw), ("screw", "screw"), "screw", middle),
+        _Part("screw", (middle, last), (0.0, screw), ("screw", free), "screw", middle),
         _Part("roller", (middle - roller / 2, middle + roller / 2), between, ("roller", "roller")),
         _Part("nut", ends, (nut, outer), ("nut", "nut"), "nut", ends[0] + 0.85 * nut_length),
     ]
     if shaft is None:
         whole = _Part("screw", (0.0, length), (0.0, screw), ("screw", "screw"), "screw", middle)
         parts = [whole, *parts[2:]]
+    if last < length:
+        parts.append(_Part("screw", (last, length), (0.0, screw), (free, free)))
     if axis is None:
         return parts
     if axis.motor is not None:

@@ -100,8 +100,8 @@ def _shaft(
 ) -> tuple[SpatialBody, list[AxisBody], list[AxisSpring]]:
     """The screw as bars and shafts between thrust bearing, nut and far bearing.
 
-    Each section between two of them has half of its mass at either end; what is beyond moves with
-    the screw at the nut.
+    Each section between two of them has half of its mass at either end; what is beyond the last one
+    moves with it.
     """
     if stage.screw.length is None:
         raise MissingDataError(
@@ -126,7 +126,7 @@ def _shaft(
     at_ends = at_end
     if shaft.far_bearing is not None:
         beyond = shaft.far_bearing.distance - distance
-        at_far_end = beyond / (2 * length)
+        at_far_end = beyond / (2 * length) + (length - shaft.far_bearing.distance) / length
         at_ends = at_ends + at_far_end
         ends.append(AxisBody(FAR_END, screw.axial_mass * at_far_end))
         held = (shaft.far_bearing.axial_stiffness,)
