@@ -13,9 +13,12 @@ from ..vibration import (
     RIGID_SHARE,
     Coordinate,
     SpatialSystem,
+    SpringModes,
+    SpringNetwork,
     axial_torsional_modes,
     spatial_harmonic_network,
     spatial_system,
+    spring_modes,
     static_compliance,
 )
 from ._analysis import Analysis
@@ -89,11 +92,23 @@ def axis_spatial_system(analysis: Analysis, motor_held: bool = False) -> Spatial
     return analysis.once(("axis_system", int(motor_held)), make)
 
 
+def _spring_modes(analysis: Analysis, motor_held: bool) -> tuple[SpringNetwork, SpringModes]:
+    """The network of harmonic 0 and its modes, which frequencies and stiffnesses share."""
+
+    def make() -> tuple[SpringNetwork, SpringModes]:
+        network = spatial_harmonic_network(axis_spatial_system(analysis, motor_held), 0)
+        return network, spring_modes(network)
+
+    return analysis.once(("axis_spring_modes", int(motor_held)), make)
+
+
 def axial_modes(analysis: Analysis, motor_held: bool = False) -> AxialModes:
     """The axial–torsional modes of stage and axis."""
 
     def make() -> AxialModes:
-        group, share = axial_torsional_modes(axis_spatial_system(analysis, motor_held))
+        system = axis_spatial_system(analysis, motor_held)
+        _, modes = _spring_modes(analysis, motor_held)
+        group, share = axial_torsional_modes(system, modes)
         return AxialModes(group.frequencies, share)
 
     return analysis.once(("axial_modes", int(motor_held)), make)
@@ -121,8 +136,8 @@ def axis_stiffness(analysis: Analysis, motor_held: bool) -> Scalar:
     def make() -> Scalar:
         system = axis_spatial_system(analysis, motor_held)
         assert system.axis is not None
-        network = spatial_harmonic_network(system, 0)
-        return 1 / static_compliance(network, Coordinate(system.axis.load, "z"))
+        network, modes = _spring_modes(analysis, motor_held)
+        return 1 / static_compliance(network, Coordinate(system.axis.load, "z"), modes)
 
     return analysis.once(("axis_stiffness", int(motor_held)), make)
 

@@ -73,7 +73,7 @@ def _axis_assembled(axis, stage):
     far = axis.shaft.far_bearing
     beyond = number(far.distance) - near
     mass, inertia = number(stage.screw.mass), number(stage.screw.inertia)
-    ends = mass / length * np.array([near / 2, beyond / 2])
+    ends = mass / length * np.array([near / 2, beyond / 2 + length - number(far.distance)])
     at = assembly.places["screw"].start
     assembly.masses[at + 2] = mass - ends.sum()
     assembly.masses[at + 3] = inertia * (1 - near / 2 / length)

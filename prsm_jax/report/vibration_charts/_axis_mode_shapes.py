@@ -149,15 +149,20 @@ def _parts_of(mechanism: Mechanism) -> list[_Part]:
     half = nut_length / 2
     ends = middle - half, middle + half
     between = screw, screw + 2e3 * float(thread.roller_radius)
+    far = None if shaft is None else shaft.far_bearing
+    free = "screw" if far is None else "screw_far_end"
+    last = length if far is None else 1e3 * float(far.distance)
     parts = [
         _Part("screw", (0.0, middle), (0.0, screw), (near, "screw"), near, 0.1 * middle),
-        _Part("screw", (middle, length), (0.0, screw), ("screw", "screw"), "screw", middle),
+        _Part("screw", (middle, last), (0.0, screw), ("screw", free), "screw", middle),
         _Part("roller", (middle - roller / 2, middle + roller / 2), between, ("roller", "roller")),
         _Part("nut", ends, (nut, outer), ("nut", "nut"), "nut", ends[0] + 0.85 * nut_length),
     ]
     if shaft is None:
         whole = _Part("screw", (0.0, length), (0.0, screw), ("screw", "screw"), "screw", middle)
         parts = [whole, *parts[2:]]
+    if last < length:
+        parts.append(_Part("screw", (last, length), (0.0, screw), (free, free)))
     if axis is None:
         return parts
     if axis.motor is not None:
@@ -218,7 +223,8 @@ def _draw(
             )
         )
     axes.plot(axes.get_xlim(), (0, 0), color=MUTED, lw=0.5, ls=CHAIN)
-    _bearing(axes, highest)
+    for place in _bearings(mechanism):
+        _bearing(axes, place, highest)
     # Equal lengths on paper along and across the axis.
     wide, tall = np.ptp(axes.get_xlim()) / _SECTION, np.ptp(axes.get_ylim()) / _PANEL
     for part in parts:
@@ -261,14 +267,25 @@ def _two_digits(value: float) -> float:
     return float(f"{round(value / 10**power) * 10.0**power:.6g}")
 
 
-def _bearing(axes: Axes, size: float) -> None:
-    """The thrust bearing at the end of the screw, on the housing below the centre line."""
+def _bearings(mechanism: Mechanism) -> list[float]:
+    """Places of the bearings that hold the screw along the axis [mm]."""
+    support, axis = mechanism.stages[0].screw.support, mechanism.axis
+    places: list[float] = []
+    if support is not None and support.axial_stiffness is not None:
+        places.append(0.0)
+    if axis is not None and axis.shaft is not None and axis.shaft.far_bearing is not None:
+        places.append(1e3 * float(axis.shaft.far_bearing.distance))
+    return places
+
+
+def _bearing(axes: Axes, place: float, size: float) -> None:
+    """A thrust bearing, on the housing below the centre line."""
     base = -0.45 * size
     line: dict[str, Any] = {"color": MUTED, "lw": 0.8}
     low, high = axes.get_xlim()
     half = 0.012 * (high - low)
-    axes.plot((0, -half, half, 0), (0, base, base, 0), **line)
-    axes.plot((-2 * half, 2 * half), (base, base), **line)
+    axes.plot((place, place - half, place + half, place), (0, base, base, 0), **line)
+    axes.plot((place - 2 * half, place + 2 * half), (base, base), **line)
 
 
 def _strains(mode: SpatialMode) -> dict[str, float]:

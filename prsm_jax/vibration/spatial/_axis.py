@@ -79,8 +79,9 @@ class AxisSystem(eqx.Module):
     @property
     def held_coordinate(self) -> Coordinate | None:
         """The degree of freedom that does not move, if the rotor is held."""
-        held = self.motor_held and self.motor is not None
-        return Coordinate(self.motor, "u") if held and self.motor is not None else None
+        if self.motor is None or not self.motor_held:
+            return None
+        return Coordinate(self.motor, "u")
 
     def mass(self, coordinate: Coordinate) -> Scalar | None:
         """Mass of a degree of freedom of the axis [kg]; `None` for one of the stage."""
@@ -99,8 +100,8 @@ def _shaft(
 ) -> tuple[SpatialBody, list[AxisBody], list[AxisSpring]]:
     """The screw as bars and shafts between thrust bearing, nut and far bearing.
 
-    Each section between two of them has half of its mass at either end; what is beyond moves with
-    the screw at the nut.
+    Each section between two of them has half of its mass at either end; what is beyond the last one
+    moves with it.
     """
     if stage.screw.length is None:
         raise MissingDataError(
@@ -125,7 +126,7 @@ def _shaft(
     at_ends = at_end
     if shaft.far_bearing is not None:
         beyond = shaft.far_bearing.distance - distance
-        at_far_end = beyond / (2 * length)
+        at_far_end = beyond / (2 * length) + (length - shaft.far_bearing.distance) / length
         at_ends = at_ends + at_far_end
         ends.append(AxisBody(FAR_END, screw.axial_mass * at_far_end))
         held = (shaft.far_bearing.axial_stiffness,)

@@ -7,7 +7,7 @@ from jaxtyping import Array, Float
 
 from ...programs import physics
 from .._grouped_modes import GroupedModes, ModeGroup, of_elastic
-from .._spring_modes import RIGID_SHARE, spring_modes
+from .._spring_modes import RIGID_SHARE, SpringModes, spring_modes
 from .._symmetric import meshed_share
 from ..model import (
     Coordinate,
@@ -105,11 +105,16 @@ def _largest_first(rows: dict[str, Array], at: int) -> dict[str, float]:
 
 
 def _group(
-    system: SpatialSystem, harmonic: int, family: str, multiplicity: int, shapes: bool
+    system: SpatialSystem,
+    harmonic: int,
+    family: str,
+    multiplicity: int,
+    shapes: bool,
+    modes: SpringModes | None = None,
 ) -> tuple[ModeGroup, Float[Array, " modes"]]:
     """The modes of one harmonic, and the axial share of each."""
     network = spatial_harmonic_network(system, harmonic)
-    modes = spring_modes(network)
+    modes = spring_modes(network) if modes is None else modes
     frequencies = modes.angular_frequencies / (2 * jnp.pi)
     whole = None
     if shapes:
@@ -148,10 +153,16 @@ def _moving_along(network: SpringNetwork, shapes) -> Float[Array, " modes"]:
 
 @physics("axial_torsional_modes")
 def axial_torsional_modes(
-    system: SpatialSystem,
+    system: SpatialSystem, modes: SpringModes | None = None
 ) -> tuple[ModeGroup, Float[Array, " modes"]]:
-    """The modes of harmonic 0 alone, and the axial share of each; see `SpatialModes`."""
-    return _group(system, 0, *_HARMONICS[0], shapes=False)
+    """The modes of harmonic 0 alone, and the axial share of each; see `SpatialModes`.
+
+    **Arguments:**
+
+    - `system`: masses and springs from `spatial_system`.
+    - `modes`: `spring_modes` of its network of harmonic 0, if already known.
+    """
+    return _group(system, 0, *_HARMONICS[0], shapes=False, modes=modes)
 
 
 @physics("spatial_transverse_modes")

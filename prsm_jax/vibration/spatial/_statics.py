@@ -5,7 +5,7 @@ import jax.numpy as jnp
 
 from ...fields import Scalar
 from ...numerics import above_or_nan
-from .._spring_modes import RIGID_SHARE, spring_modes
+from .._spring_modes import RIGID_SHARE, SpringModes, spring_modes
 from ..model import Coordinate, SpringNetwork
 
 #: A rigid motion with less than this share of its kinetic energy at a coordinate does not move it;
@@ -13,7 +13,9 @@ from ..model import Coordinate, SpringNetwork
 _STILL = 1e-20
 
 
-def static_compliance(network: SpringNetwork, coordinate: Coordinate) -> Scalar:
+def static_compliance(
+    network: SpringNetwork, coordinate: Coordinate, modes: SpringModes | None = None
+) -> Scalar:
     """Displacement of a coordinate per static force at it, `Σ φ²/ω²` over all elastic modes [m/N].
 
     All terms are positive, so that nothing cancels, and rigid motions that do not move the
@@ -23,8 +25,9 @@ def static_compliance(network: SpringNetwork, coordinate: Coordinate) -> Scalar:
 
     - `network`: the springs and masses.
     - `coordinate`: one of its degrees of freedom.
+    - `modes`: those of the network, if already known.
     """
-    modes = spring_modes(network)
+    modes = spring_modes(network) if modes is None else modes
     place = network.coordinates.index(coordinate)
     participation = jnp.abs(modes.shapes[place]) ** 2
     omega = modes.angular_frequencies
