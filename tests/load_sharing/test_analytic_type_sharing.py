@@ -9,6 +9,7 @@ from scenes import array, example, stage_contact
 
 from prsm_jax.load_sharing import stage_load_distribution
 from prsm_jax.mechanism import LoadSharing
+from tests.present import present
 
 _distribution = eqx.filter_jit(lambda stage, load: stage_load_distribution(stage, load))
 
@@ -20,10 +21,15 @@ def test_rigid_bodies_share_equally_and_elastic_ones_do_not(name):
     The springs that regularise the chains change loads by about 1e-9.
     """
     (stage,) = example(name).stages
-    count, load = int(float(stage.engaged_threads)), 2000.0
+    count, load = int(float(present(stage.engaged_threads))), 2000.0
     equal = stage_contact(stage, array(load))
-    stiff = {f"{body}_segment_stiffness": 1e18 for body in ("screw", "roller", "nut")}
-    rigid = dataclasses.replace(stage, sharing="unstated", load_sharing=LoadSharing(count, **stiff))
+    stiff = LoadSharing(
+        count,
+        screw_segment_stiffness=1e18,
+        roller_segment_stiffness=1e18,
+        nut_segment_stiffness=1e18,
+    )
+    rigid = dataclasses.replace(stage, sharing="unstated", load_sharing=stiff)
     found = _distribution(rigid, array(load))
     assert bool(found.converged)
     share = load / (stage.roller_count * count)
