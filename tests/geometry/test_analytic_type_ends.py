@@ -5,6 +5,7 @@ import pytest
 from scenes import example, mesh
 
 from prsm_jax.geometry import flank_ends
+from tests.present import present
 
 
 def test_distances_to_the_crests_of_nut_and_roller():
@@ -23,8 +24,8 @@ def test_distances_to_the_crests_of_nut_and_roller():
     normal = np.array([float(part) for part in contact.normal_parts])
     axes = {"nut": np.zeros(3), "roller": np.array([float(thread.centre_distance), 0.0, 0.0])}
     crests = {
-        "nut": float(thread.nut_radius - thread.screw_addendum),
-        "roller": float(thread.roller_radius + thread.roller_addendum),
+        "nut": float(thread.nut_radius - present(thread.screw_addendum)),
+        "roller": float(thread.roller_radius + present(thread.roller_addendum)),
     }
     found = {end.body: float(end.distance) for end in ends if end.kind == "crest"}
     for body, axis in axes.items():
