@@ -82,13 +82,14 @@ def _from_nominal(thread: Thread, end: _Radius) -> Scalar:
 
 
 def _from_contact(
-    contact: ThreadContact, end: _Radius, hessian: SymmetricTensor
+    contact: ThreadContact, end: _Radius, hessian: SymmetricTensor, outside: bool
 ) -> tuple[Scalar, Scalar]:
     """Distance from the contact point in the tangent plane, and the gap's coefficient along it."""
     if end.body == "roller":
         radius, angle = contact.roller_contact_radius, contact.roller_angle_position
-        # About the roller axis, from which x points to the screw axis.
-        radial = -jnp.cos(angle), jnp.sin(angle)
+        # About the roller axis, from which x points to the screw axis. An outside contact lies on
+        # the other side of it; the sense of the direction has no effect.
+        radial = -jnp.cos(angle), -jnp.sin(angle) if outside else jnp.sin(angle)
     else:
         radius, angle = contact.contact_radius, contact.contact_angle_position
         radial = jnp.cos(angle), jnp.sin(angle)
@@ -143,8 +144,10 @@ def _ends(
     x = contact.contact_radius * jnp.cos(contact.contact_angle_position)
     y = contact.contact_radius * jnp.sin(contact.contact_angle_position)
     hessian = (screw_side_hessian if side == "screw" else nut_side_hessian)(flanks_of(thread), x, y)
+    # On the line of centres, where rollers roll, both directions are one.
+    outside = side == "nut" and side in thread.family.sliding
     return tuple(
-        FlankEnd(*_from_contact(contact, end, hessian), end.kind, end.body, _way(end))
+        FlankEnd(*_from_contact(contact, end, hessian, outside), end.kind, end.body, _way(end))
         for end in radii
     )
 

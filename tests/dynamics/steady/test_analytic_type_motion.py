@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import scipy.optimize
 from hypothesis import given, settings, strategies as st
-from scenes import STEEL, array, mesh, simulate, steady_state
+from scenes import STEEL, Swing, array, mesh, simulate, steady_state
 
 import prsm_jax as prsm
 from prsm_jax._errors import MissingDataError
@@ -306,3 +306,34 @@ def test_forces_on_a_roller_balance_in_newtons_form(kind):
     assert abs(float(support.moment_residual / size)) < 1e-9
     assert float(support.ring_gear_tangential) != 0
     assert (float(support.ring_gear_force) == 0) == (kind == "differential")
+
+
+@pytest.mark.parametrize("kind", ["standard", "inverted"])
+def test_the_motor_accelerates_one_body_and_the_other_moves_along(kind):
+    """M = J Ω̇ + h (F + m h Ω̇): J of the body that turns, m of the other with the rollers.
+
+    Without friction the carriers stand still and take no part.
+    """
+    one = mechanism(kind)
+    (stage,) = one.stages
+    one = Mechanism((dataclasses.replace(stage, friction=None),))
+    swing = Swing(array(50.0), array(20.0), array(3.0))
+    scenario = prsm.Scenario(swing, LOAD, 1.0)
+    time = 0.1
+    rate = 20 * 2 * np.pi * 3 * np.cos(2 * np.pi * 3 * time)
+    (state,) = states_at(one, all_kinematics(one), scenario, array(time), jnp.zeros(1))
+    steel, thread = 7850 * np.pi, stage.thread
+    screw, roller, nut = (float(getattr(thread, f"{b}_radius")) for b in ("screw", "roller", "nut"))
+    masses = {
+        "screw": steel * 0.3 * screw**2,
+        "nut": steel * 0.05 * ((nut + 6e-3) ** 2 - nut**2),
+    }
+    inertias = {
+        "screw": masses["screw"] * screw**2 / 2,
+        "nut": masses["nut"] * ((nut + 6e-3) ** 2 + nut**2) / 2,
+    }
+    turns, moves = ("nut", "screw") if kind == "inverted" else ("screw", "nut")
+    moved = masses[moves] + 5 * steel * 0.03 * roller**2
+    h = float(thread.lead) / (2 * np.pi)
+    torque = inertias[turns] * rate + h * (LOAD + moved * h * rate)
+    assert float(state.screw.drive_torque) == pytest.approx(torque, rel=1e-12)
