@@ -218,6 +218,52 @@ def test_what_is_no_number_does_not_stop_the_printing():
     assert "of 2 × 3 designs" in str(odd)
 
 
+#: Unit of each field by what it is, written here a second time.
+_UNITS = {
+    "N": (
+        "axial_force carrier_axial_force carrier_force contact_force force forward load "
+        "normal_force nut_contact_force nut_load nut_on_roller pin_on_roller reverse "
+        "ring_gear_force ring_gear_on_roller screw_contact_force screw_friction_on_roller "
+        "screw_normal_on_roller screw_roller_axial_force spacer_force spline_friction "
+        "spring_force thrust_bearing_force"
+    ),
+    "m": (
+        "approach approach_difference arc axial_gap contact_radius deflection depth depths "
+        "displacement distance gap half_width max_half_width position radius "
+        "roller_contact_radius semi_major semi_minor"
+    ),
+    "N/m": (
+        "axial_stiffness line_load nut_each nut_roller roller_stiffness screw_each screw_roller "
+        "stiffness stiffness_tangent tangent_stiffness"
+    ),
+    "1": (
+        "at_pole carrier_ratio converged edge_ratio efficiency error_estimate iterations "
+        "loaded_share lobes normal_per_axial order parabola_fit power_balance_residual rejected "
+        "residual revolutions sliding solved steps"
+    ),
+    "J": "stored_energy",
+    "Pa": "max_pressure pressure value",
+    "N·m": (
+        "anti_rotation_torque drag_torque drive_torque nut_moment_on_roller "
+        "screw_moment_on_roller thrust_bearing_torque"
+    ),
+    "s": "duration time time_constant",
+    "rad/s": "carrier_speed screw_speed speed",
+    "W": "input_power load_power losses output_power",
+    "m/s": "slip_speed",
+    "rad": "contact_angle_position roller_angle_position turned_angle",
+    "m²": "area",
+    "Hz": "frequency",
+}
+
+
+def test_every_field_has_the_unit_of_what_it_is():
+    expected = {name: unit for unit, names in _UNITS.items() for name in names.split()}
+    for cls in _classes():
+        for name, unit in units_of(cls).items():
+            assert unit == expected[name], f"{cls.__name__}.{name}"
+
+
 def test_units_of_fields_are_those_of_their_comments():
     """A field says its unit twice: for `print`, and in brackets for the reader of the page."""
     compared = 0
