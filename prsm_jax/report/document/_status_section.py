@@ -18,7 +18,7 @@ _LABELS = {
     "rating_life_time": "rating life L10h",
     "buckling": "safety against buckling",
     "screw_speed": "screw speed (critical speed)",
-    "contact_truncation": "ellipse beyond the {} (negative: short of it)",
+    "contact_truncation": "share of the ellipse past the {}",
     "false_brinelling": "amplitude of oscillation",
     "jamming": "friction coefficient (jamming)",
     "self_locking": "efficiency when the load drives",
