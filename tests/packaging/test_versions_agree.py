@@ -15,11 +15,11 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
 #: Keys of the Citation File Format 1.2.0, from its schema.
-CFF_KEYS = set(
-    "abstract authors cff-version commit contact date-released doi identifiers keywords license "
-    "license-url message preferred-citation references repository repository-artifact "
-    "repository-code title type url version".split()
-)
+CFF_KEYS = {
+    *("cff-version", "message", "type", "title", "abstract", "version", "license", "license-url"),
+    *("authors", "contact", "keywords", "commit", "date-released", "doi", "identifiers", "url"),
+    *("repository", "repository-artifact", "repository-code", "preferred-citation", "references"),
+}
 CFF_REQUIRED = {"authors", "cff-version", "message", "title"}
 
 
