@@ -270,7 +270,8 @@ def _check_sizes(path: Path) -> None:
 
     for name, array in zarr.open_group(path, mode="r", zarr_format=3).arrays():
         # xarray reads coordinates when it opens a store.
-        parts = array.shape if array.metadata.dimension_names == (name,) else array.chunks
+        at_once = getattr(array.metadata, "dimension_names", None) == (name,)
+        parts = array.shape if at_once else array.chunks
         size = math.prod(parts) * array.dtype.itemsize
         if size > _LARGEST:
             raise ValueError(f"{name} has parts of {size / 2**30:.3g} GiB, and 1 is allowed")
