@@ -6,6 +6,7 @@ from pathlib import Path
 
 from .._errors import FileError, closest
 
+_LARGEST_FILE = 20_000_000
 _TABLE = Path(__file__).parent / "data" / "roller_screws.csv"
 #: Columns that are arguments of their own, in other units.
 SIZE = ("nominal_diameter_mm", "lead_mm", "starts")
@@ -70,6 +71,14 @@ def _number(path: Path, line: int, name: str, cell: str) -> float:
     return value
 
 
+def _check_size(path: Path) -> None:
+    """A pipe or device would have no end."""
+    if path.exists() and not path.is_file():
+        raise FileError(f"{path}: is not a file; give a CSV file")
+    if path.stat().st_size > _LARGEST_FILE:
+        raise FileError(f"{path}: is larger than {_LARGEST_FILE} bytes; give fewer rows")
+
+
 def catalogue_rows(path: str | Path | None = None) -> tuple[dict[str, float], ...]:
     """All sizes, by column, in the units that the names of the columns end with.
 
@@ -87,6 +96,7 @@ def catalogue_rows(path: str | Path | None = None) -> tuple[dict[str, float], ..
     """
     path = _TABLE if path is None else Path(path)
     try:
+        _check_size(path)
         names = _checked_header(path)
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.reader(file)

@@ -6,7 +6,7 @@ import tempfile
 import warnings
 from pathlib import Path
 
-from ..process import whole_file
+from ..process import others_can_write, whole_file
 from ..text import printable
 from ._progress import clear
 
@@ -18,7 +18,8 @@ _TROUBLE = r"Error (reading|writing) persistent compilation cache entry"
 def keep_compiled_programs() -> None:
     """Let JAX store every compiled program, even small ones: a second run then starts at once.
 
-    If the folder cannot be written, one line says so, and every run compiles anew.
+    If the folder cannot be written, or if other users can write to it, one line says so, and every
+    run compiles anew: a compiled program of another user would run with the rights of this one.
     """
     import jax
 
@@ -27,7 +28,15 @@ def keep_compiled_programs() -> None:
     if not folder:
         return
     try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
+        Path(folder).parent.mkdir(parents=True, exist_ok=True)
+        Path(folder).mkdir(mode=0o700, exist_ok=True)
+        if reason := others_can_write(Path(folder)):
+            _tell(
+                f"{folder}: compiled programs of earlier runs are not used ({reason}, and such a "
+                "program runs with your rights); remove the folder, and the next run makes one "
+                "that is yours alone"
+            )
+            return
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
@@ -80,6 +89,7 @@ def _write_whole_entries() -> None:
             put(self, key, value)
             return
         with whole_file(Path(self.path) / f"{key}-cache") as partial:
+            partial.touch(mode=0o600)
             partial.write_bytes(value)
 
     if not getattr(put, "whole", False):

@@ -26,3 +26,4 @@ from ._placing import (
     put_file as put_file,
     put_folder as put_folder,
 )
+from ._private import others_can_write as others_can_write

@@ -4,6 +4,9 @@ JAX's own cache saves compiling but not tracing and lowering, which for a steady
 as importing JAX. Here the compiled program is kept under a key that is known without tracing and
 changes with everything that the program depends on: the structure of its arguments, this package's
 files, JAX, its flags, and the processor.
+
+A stored program is code that runs as this user. Only files and folders that no other user can write
+to are read, and what is written can be read by this user alone.
 """
 
 import contextlib
@@ -23,7 +26,7 @@ import jax
 import numpy as np
 from jax.core import Tracer
 
-from ..process import whole_file
+from ..process import others_can_write, whole_file
 from ._origin import origin_of
 
 _PACKAGE = Path(__file__).parent.parent
@@ -267,16 +270,27 @@ def _not_in_the_cache_of_jax() -> Generator[None, None, None]:
 
 
 def _write(path: Path, data: bytes) -> None:
-    """Store a program; a folder that cannot be written is ignored."""
+    """Store a program; a folder that cannot be written, or that others can write to, is ignored."""
     with contextlib.suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        path.parent.parent.mkdir(parents=True, exist_ok=True)
+        path.parent.mkdir(mode=0o700, exist_ok=True)
+        if others_can_write(path.parent):
+            return
         with whole_file(path) as partial:
+            partial.touch(mode=0o600)
             partial.write_bytes(hashlib.sha256(data).digest() + data)
 
 
 def _read(path: Path) -> bytes:
-    """Read what `_write` stored. **Raises:** `OSError` or `ValueError` if absent or changed."""
-    stored = path.read_bytes()
+    """Read what `_write` stored.
+
+    **Raises:** `OSError` or `ValueError` if it is absent or changed, or if others can change it.
+    """
+    with path.open("rb") as file:
+        # The open file is examined: its name may mean another file a moment later.
+        if reason := others_can_write(path.parent) or others_can_write(file.fileno()):
+            raise ValueError(f"{path} is not read: {reason}")
+        stored = file.read()
     size = hashlib.sha256().digest_size
     if hashlib.sha256(stored[size:]).digest() != stored[:size]:
         raise ValueError(f"{path} is not what was written")

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 #: Rows of a sheet of Excel, less the line of the names.
 _EXCEL_ROWS = 2**20 - 1
+#: First characters of cells that spreadsheets calculate.
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 #: Rows that are in memory at once.
 _PIECE = 50_000
 
@@ -146,7 +148,17 @@ def _csv(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None:
     columns = _columns(data, designs)
     with path.open("w", encoding="utf-8", newline="") as file:
         for index, table in enumerate(_pieces(data, columns, designs)):
+            words = table.select_dtypes(exclude=["number", "bool"]).map(_no_formula)
+            table = table.assign(**words).rename(columns=_no_formula)
             table.to_csv(file, index=False, header=index == 0)
+
+
+def _no_formula(value: Any) -> Any:
+    """Text that spreadsheets do not take for a formula; a number stays as it is.
+
+    The names and words of a store that somebody else wrote could be formulas.
+    """
+    return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value
 
 
 def _excel(data: "xarray.Dataset", path: Path, assumptions: list[str]) -> None:
@@ -175,14 +187,16 @@ def _fill(book: Any, data: "xarray.Dataset", designs: tuple[str, ...], assumptio
     columns = _columns(data, designs)
     sheet = book.create_sheet("designs")
     sheet.freeze_panes = "A2"
-    sheet.append([column.heading for column in columns])
+    sheet.append([_words(sheet, column.heading) for column in columns])
     for table in _pieces(data, columns, designs):
         for row in table.itertuples(index=False):
-            sheet.append([_cell(value) for value in row])
+            sheet.append([_cell(sheet, value) for value in row])
     described = book.create_sheet("columns")
     described.append(["column", "unit", "description"])
     for column in columns:
-        described.append([column.name, column.unit, column.description])
+        described.append(
+            [_words(described, one) for one in (column.name, column.unit, column.description)]
+        )
     rests = book.create_sheet("assumptions")
     for sentence in assumptions:
         rests.append([_words(rests, sentence)])
@@ -190,9 +204,11 @@ def _fill(book: Any, data: "xarray.Dataset", designs: tuple[str, ...], assumptio
         rests.append([_words(rests, f"{name}: {value}")])
 
 
-def _cell(value: Any) -> Any:
+def _cell(sheet: Any, value: Any) -> Any:
     """A value of a cell. NaN and infinity, which Excel does not have, give an empty cell."""
     value = value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, str):
+        return _words(sheet, value)
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

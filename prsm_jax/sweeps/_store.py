@@ -9,6 +9,7 @@ without a mark is computed again.
 import contextlib
 import functools
 import json
+import math
 import os
 from collections.abc import Generator, Mapping
 from pathlib import Path
@@ -29,6 +30,9 @@ try:
 except ImportError:  # Windows
     fcntl = None
 
+#: Largest chunk, and largest coordinate, which is read at once [bytes]. Blocks of a sweep have up
+#: to 32,768 designs; a store that says more would fill the memory.
+_LARGEST = 2**30
 #: Files that mark a directory as a zarr store of format 3 or 2.
 _MARKS = ("zarr.json", ".zgroup")
 #: Group of a store with data of the run, which xarray does not show.
@@ -115,11 +119,16 @@ def stored_identity(store: Path) -> dict[str, Any] | None:
 
 
 def check_identity(store: Path, identity: Mapping[str, Any]) -> None:
-    """Check that a store belongs to this sweep.
+    """Check that a store belongs to this sweep, and that its blocks are written inside it.
 
-    **Raises:** `ValueError` if it belongs to another one, or cannot be read.
+    **Raises:** `ValueError` if it belongs to another one, cannot be read, or has links inside.
     """
     remedy = "remove it, choose another path, or replace it with resume=False (--no-resume)"
+    for folder, inner, names in os.walk(store):
+        for name in (*inner, *names):
+            if os.path.islink(os.path.join(folder, name)):
+                place = os.path.relpath(os.path.join(folder, name), store)
+                raise ValueError(f"store {store} has a link inside, {place}; {remedy}")
     stored = stored_identity(store)
     if stored is None:
         raise ValueError(f"store {store} was not written by a sweep, or is damaged; {remedy}")
@@ -234,7 +243,10 @@ def open_store(store: str | os.PathLike[str]) -> "xarray.Dataset":
     Designs that are not computed yet are NaN and have the code `not_computed`. The data set has the
     attribute `failed` when all designs are computed.
 
-    **Raises:** `MissingExtraError` without xarray or zarr; `ValueError` if there is no store.
+    No code of a store runs: it holds numbers, compressed by the codecs of zarr.
+
+    **Raises:** `MissingExtraError` without xarray or zarr; `ValueError` if there is no store, if it
+    is damaged, or if one of its chunks needs more than 1 GiB.
     """
     try:
         import xarray
@@ -244,4 +256,22 @@ def open_store(store: str | os.PathLike[str]) -> "xarray.Dataset":
     path = Path(store)
     if not (path / "zarr.json").is_file():
         raise ValueError(f"store {path} does not exist; run the sweep that writes it")
-    return xarray.open_zarr(path, consolidated=False, chunks=None)
+    try:
+        _check_sizes(path)
+        return xarray.open_zarr(path, consolidated=False, chunks=None, zarr_format=3)
+    except (ArithmeticError, LookupError, OSError, TypeError, ValueError) as error:
+        words = f"store {path} was not written by a sweep, or is damaged: {error}; run it again"
+        raise ValueError(words) from error
+
+
+def _check_sizes(path: Path) -> None:
+    """**Raises:** `ValueError` if a part of a store, read at once, would fill the memory."""
+    import zarr
+
+    for name, array in zarr.open_group(path, mode="r", zarr_format=3).arrays():
+        # xarray reads coordinates when it opens a store.
+        at_once = getattr(array.metadata, "dimension_names", None) == (name,)
+        parts = array.shape if at_once else array.chunks
+        size = math.prod(parts) * array.dtype.itemsize
+        if size > _LARGEST:
+            raise ValueError(f"{name} has parts of {size / 2**30:.3g} GiB, and 1 is allowed")

@@ -26,6 +26,8 @@ from .._progress import Counter, clear, doing, expect_programs
 from .._tables import prose
 
 _DEFAULT = Common()
+#: Values of an axis, and designs between limits: they are in memory at once.
+_MOST = 100_000_000
 #: Plans between two limits on every axis.
 _SAMPLED = ("lhs", "sobol")
 
@@ -49,12 +51,16 @@ def _axis(mechanism: Mechanism, text: str, plan: str) -> tuple[str, np.ndarray]:
                 f"--axis {text}: plan {plan} takes LOWER:UPPER, such as 'lead=5 mm:15 mm'"
             )
         return name, np.asarray([value(parts[0]), value(parts[1])])
-    if len(parts) != 3 or not parts[2].strip().isdigit() or int(parts[2]) < 2:
+    digits = parts[2].strip() if len(parts) == 3 else ""
+    # Python converts no number of thousands of digits.
+    if digits.isdigit() and (len(digits) > len(str(_MOST)) or int(digits) > _MOST):
+        raise PrsmError(f"--axis {name}: the count is above {_MOST}; give fewer values")
+    if not digits.isdigit() or int(digits) < 2:
         raise PrsmError(
             f"--axis {text}: a range is FIRST:LAST:COUNT with a count of at least 2, such as "
             "'lead=5 mm:15 mm:11'"
         )
-    return name, np.linspace(value(parts[0]), value(parts[1]), int(parts[2]))
+    return name, np.linspace(value(parts[0]), value(parts[1]), int(digits))
 
 
 #: Quantities of a sweep if none are named.
@@ -183,6 +189,8 @@ def sweep(
         )
     if not (axis or collect):
         raise PrsmError("--axis is missing; give at least one, such as --axis 'lead=5 mm:15 mm:11'")
+    if points is not None and points > _MOST:
+        raise PrsmError(f"--points {points}: is above {_MOST}; give fewer designs")
     for path in files:
         check_export(path)
     mechanism = common.load(file)
