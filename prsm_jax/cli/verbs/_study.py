@@ -143,7 +143,7 @@ def study(
         results,
         command=f"prsm study {file} --out {folder}",
         attachments={
-            "study.json": json.dumps(plain(found.to_dict()), indent=2, ensure_ascii=False) + "\n",
+            "study.json": json.dumps(plain(results.to_dict()), indent=2, ensure_ascii=False) + "\n",
         },
         on_fault=faults.append,
     )
