@@ -38,7 +38,7 @@ VERBS = {
 def test_every_verb_is_here():
     from prsm_jax.cli._verbs import app
 
-    assert {name for name in app if not name.startswith("-")} <= {*VERBS, "bench"}
+    assert {name for name in app if not name.startswith("-")} <= {*VERBS, "bench", "doctor", "new"}
 
 
 @pytest.fixture

@@ -89,6 +89,11 @@ MADE = {
         lambda m: prsm.frequency_response(m, "screw u", "nut u", jnp.asarray([10.0, 20.0])),
         "FrequencyResponse",
     ),
+    "axis_compliance": (
+        "actuator_axis",
+        lambda m: prsm.response.axis_compliance(m, jnp.asarray([10.0, 20.0])),
+        "AxisCompliance",
+    ),
     "mesh_response": (
         "wu2022",
         lambda m: prsm.response.mesh_response(m, jnp.asarray(_RPM)),
@@ -302,6 +307,8 @@ def test_a_batch_is_refused_at_every_door(name, unchecked, tmp_path, monkeypatch
     assert "\n" not in str(refusal.value)
     if name not in ("dump", "dumps"):
         assert str(refusal.value).startswith(f"{name}: ")
-        one_by_one = name in ("check", "optimise", "sweep", "calibrate", "tolerance")
+        one_by_one = name in (
+            *("check", "strength_checks", "optimise", "sweep", "calibrate", "tolerance"),
+        )
         assert ("jax.vmap" in str(refusal.value)) != one_by_one
     assert list(tmp_path.iterdir()) == []

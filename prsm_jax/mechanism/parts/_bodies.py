@@ -149,12 +149,6 @@ class Gear(Limited):
         "number of teeth of the roller's gear, z_R; needed for the mesh stiffness",
         limit=POSITIVE,
     )
-    ring_teeth: OptionalNumber = optional_number(
-        "1",
-        "number of teeth of the ring gear (of the screw in an inverted roller screw); n z_R, which "
-        "matches the thread, when absent",
-        limit=POSITIVE,
-    )
     face_width: OptionalNumber = optional_number("m", "face width; needed for the mesh stiffness")
     roller_profile_shift: Number = number("1", "profile shift coefficient of the roller", default=0)
     ring_profile_shift: Number = number("1", "profile shift coefficient of the ring", default=0)
@@ -163,6 +157,12 @@ class Gear(Limited):
         "1",
         "mesh stiffness over single-tooth stiffness (0.75 ε_α + 0.25 in ISO 6336-1)",
         default=1,
+        limit=POSITIVE,
+    )
+    ring_teeth: OptionalNumber = optional_number(
+        "1",
+        "number of teeth of the ring gear (of the screw in an inverted roller screw); n z_R, which "
+        "matches the thread, when absent",
         limit=POSITIVE,
     )
 

@@ -495,6 +495,21 @@ def test_drawing(actuator):
     says(along, "nut ", "", float(stage.nut.length))
     says(along, "roller ", "", float(stage.roller.length))
     says(along, "screw ", ",\nbroken off", float(stage.screw.length))
+    says(along, "gear ", "", float(stage.gear.face_width))
+    says(along, "carrier ", "", float(stage.carrier.length))
+    ring, half = stage.ring_gear, float(stage.carrier.radial_width) / 2
+    ends = chart.text("ring gear ", place=along)
+    # Length and diameter of the ring gear; length and both diameters of the carrier.
+    assert [one.value for one in numbers(ends)] == pytest.approx(
+        [
+            1e3 * float(ring.length),
+            2e3 * (nut + float(ring.wall_thickness)),
+            1e3 * float(stage.carrier.length),
+            2e3 * (centre - half),
+            2e3 * (centre + half),
+        ],
+        abs=5.001e-4,
+    )
     # Extension lines stand at the ends of what a dimension names.
     for axes, half in (
         (along, float(stage.nut.length) / 2),
