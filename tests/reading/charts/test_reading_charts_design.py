@@ -12,6 +12,7 @@ import pytest
 import scenes
 from expectations import reads
 from matplotlib.patches import Arc, Circle
+from present import present
 from reading_artists import box_of, levels_of, vertices_of, x_data, y_data
 from reading_figures import Chart, handles
 from reading_units import assert_reads, label_unit, numbers, same_dimension, to_si
@@ -495,16 +496,16 @@ def test_drawing(actuator):
     says(along, "nut ", "", float(stage.nut.length))
     says(along, "roller ", "", float(stage.roller.length))
     says(along, "screw ", ",\nbroken off", float(stage.screw.length))
-    says(along, "gear ", "", float(stage.gear.face_width))
-    says(along, "carrier ", "", float(stage.carrier.length))
-    ring, half = stage.ring_gear, float(stage.carrier.radial_width) / 2
+    ring, half = stage.ring_gear, float(present(stage.carrier.radial_width)) / 2
+    says(along, "gear ", "", float(present(stage.gear.face_width)))
+    says(along, "carrier ", "", float(present(stage.carrier.length)))
     ends = chart.text("ring gear ", place=along)
     # Length and diameter of the ring gear; length and both diameters of the carrier.
     assert [one.value for one in numbers(ends)] == pytest.approx(
         [
-            1e3 * float(ring.length),
-            2e3 * (nut + float(ring.wall_thickness)),
-            1e3 * float(stage.carrier.length),
+            1e3 * float(present(ring.length)),
+            2e3 * (nut + float(present(ring.wall_thickness))),
+            1e3 * float(present(stage.carrier.length)),
             2e3 * (centre - half),
             2e3 * (centre + half),
         ],
