@@ -75,7 +75,8 @@ def cycles_per_turn(stage: Stage) -> tuple[Scalar, Scalar, Scalar]:
 
     N (1 − ζ) rollers pass a point of the screw, N ζ a point of the nut. A roller turns n ζ times
     relative to its carrier, and each of its flanks touches one body only. If the nut turns, both
-    bodies change their places; in general a roller turns |κ| ζ times (`Thread.rolling_ratio`).
+    bodies change their places; in general a roller turns ζ times the absolute value of κ
+    (`Thread.rolling_ratio`).
 
     **Arguments:**
 
