@@ -30,7 +30,7 @@ def modes():
 @reads("verb", "modal")
 def test_modal(run, monkeypatch, modes):
     loci = made.loci()
-    monkeypatch.setattr(_modal, "_modes", lambda *_, **__: modes)
+    monkeypatch.setattr(_modal, "run_modal", lambda *_, **__: modes)
     monkeypatch.setattr(_modal, "frequency_loci", lambda *_, **__: loci)
     words = ("--against", "contact_angle", "--from", "40 deg", "--to", "50 deg")
     found, printed = run("modal", "wu2022", "--shapes", *words)
