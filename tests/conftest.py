@@ -69,6 +69,11 @@ jax.config.update("jax_compilation_cache_dir", str(_CACHE))
 jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
 jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
 
+from prsm_jax.cli._compiled import write_whole_entries  # noqa: E402
+
+# Two workers compile the same programs at the same time: neither may read half a file.
+write_whole_entries()
+
 # Compiling dwarfs a deadline, and failures must be the same on every machine.
 hypothesis.settings.register_profile(
     "prsm",

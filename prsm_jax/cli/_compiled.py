@@ -46,7 +46,7 @@ def keep_compiled_programs() -> None:
     jax.config.update("jax_compilation_cache_dir", folder)
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
-    _write_whole_entries()
+    write_whole_entries()
 
 
 def tell_of_trouble_once() -> None:
@@ -72,7 +72,7 @@ def _tell(what: str) -> None:
     print(f"prsm: {printable(what)}; {_VARIABLE} names the folder", file=sys.stderr)
 
 
-def _write_whole_entries() -> None:
+def write_whole_entries() -> None:
     """Make JAX write each program completely or not at all, also beside another process.
 
     JAX writes a program in place and never replaces it: an incomplete one, from a killed process

@@ -140,3 +140,22 @@ def test_an_optimisation_reads_its_stored_programs(one_verb, usual, traced_again
         assert found.converged
         assert found.optimum.variables == pytest.approx(expected.optimum.variables, rel=1e-9)
     assert first.evaluations == second.evaluations
+
+
+def test_programs_that_two_workers_share_are_written_whole(tmp_path):
+    """The tests' own cache: a reader sees a complete entry or none."""
+    from jax._src.lru_cache import LRUCache
+
+    names = []
+    whole = _stored.Path.write_bytes
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            "pathlib.Path.write_bytes",
+            lambda path, data: (names.append(path.name), whole(path, data)),
+        )
+        LRUCache(str(tmp_path), max_size=-1).put("one", b"entry")
+    assert [path.name for path in tmp_path.iterdir()] == ["one-cache"]
+    assert (tmp_path / "one-cache").read_bytes() == b"entry"
+    # Written under another name, then renamed.
+    assert len(names) == 1
+    assert names != ["one-cache"]

@@ -107,7 +107,7 @@ def setting(monkeypatch):
     """Records the settings of JAX instead of changing them."""
     found: dict[str, object] = {}
     monkeypatch.setattr(jax.config, "update", found.__setitem__)
-    monkeypatch.setattr("prsm_jax.cli._compiled._write_whole_entries", lambda: None)
+    monkeypatch.setattr("prsm_jax.cli._compiled.write_whole_entries", lambda: None)
     return found
 
 

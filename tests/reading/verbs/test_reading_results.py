@@ -2,6 +2,7 @@
 
 import ast
 import dataclasses
+import functools
 import math
 import re
 from pathlib import Path
@@ -24,23 +25,28 @@ from prsm_jax.strength import LoadSpectrum, RatingLife
 from prsm_jax.text import Line, aligned, html_table
 
 _ROOT = Path(prsm_jax.__file__).parent
-_STEADY, _HERTZ = made.steady(stages=2), made.hertz()
-#: One of each kind, of which no two numbers are alike.
-SCENES = {
-    "steady": _STEADY,
-    "transient": made.transient(),
-    "bodies": made.body_forces(times=3),
-    "hertz": _HERTZ,
-    "contact": made.contact_pair(),
-    "meshing": made.meshing(),
-    "line": made.line_contact()[1],
-    "distribution": made.distribution(),
-    "curve": made.curve(),
-    "modes": made.modes(),
-    "loci": made.loci(),
-    "flank": made.flank_contact(),
-    "life": RatingLife(jnp.asarray(3.21e8), jnp.asarray(4.56e7), jnp.asarray(7.89e5)),
+#: One of each kind, of which no two numbers are alike. Made at first use: what is compiled while
+#: tests are collected is compiled by every worker at the same time.
+_MADE = {
+    "steady": lambda: made.steady(stages=2),
+    "transient": made.transient,
+    "bodies": lambda: made.body_forces(times=3),
+    "hertz": made.hertz,
+    "contact": made.contact_pair,
+    "meshing": made.meshing,
+    "line": lambda: made.line_contact()[1],
+    "distribution": made.distribution,
+    "curve": made.curve,
+    "modes": made.modes,
+    "loci": made.loci,
+    "flank": made.flank_contact,
+    "life": lambda: RatingLife(jnp.asarray(3.21e8), jnp.asarray(4.56e7), jnp.asarray(7.89e5)),
 }
+
+
+@functools.cache
+def _scene(name):
+    return _MADE[name]()
 
 
 def _classes() -> list[type]:
@@ -131,19 +137,19 @@ _COUNTS = {
 
 @pytest.mark.parametrize("name", _COUNTS)
 def test_every_field_with_a_unit_reads_as_its_number(name):
-    rows = _printed(SCENES[name])
-    assert _assert_fields(SCENES[name], "", rows) == _COUNTS[name], rows
+    rows = _printed(_scene(name))
+    assert _assert_fields(_scene(name), "", rows) == _COUNTS[name], rows
 
 
 def test_losses_have_a_line_each():
-    rows = _printed(_STEADY)
-    for name, power in _STEADY.losses.items():
+    rows = _printed(_scene("steady"))
+    for name, power in _scene("steady").losses.items():
         assert_reads(rows[f"losses: {name.replace('_', ' ')}"], (float(power), "W"))
 
 
 def test_frequencies_are_listed_by_family():
-    rows = _printed(SCENES["modes"])
-    for group in SCENES["modes"].groups:
+    rows = _printed(_scene("modes"))
+    for group in _scene("modes").groups:
         times = f" (×{group.multiplicity})" if group.multiplicity > 1 else ""
         text = rows[f"{group.family}{times}"]
         label = text.rpartition(" ")[2]
@@ -155,24 +161,24 @@ def test_frequencies_are_listed_by_family():
 
 
 def test_frequencies_that_are_not_defined_are_no_rigid_motions():
-    modes = jax.tree.map(lambda leaf: leaf * jnp.nan, SCENES["modes"])
+    modes = jax.tree.map(lambda leaf: leaf * jnp.nan, _scene("modes"))
     rows = _printed(modes)
     assert "rigid motions" not in rows
     assert all("not defined" in text for text in rows.values())
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", _MADE)
 def test_a_print_is_short_and_a_repr_is_one_line(name):
-    lines = str(SCENES[name]).splitlines()
+    lines = str(_scene(name)).splitlines()
     assert 2 <= len(lines) <= 25
     assert max(map(len, lines)) <= 79
-    assert len(repr(SCENES[name])) <= 100
-    assert "\n" not in repr(SCENES[name])
+    assert len(repr(_scene(name))) <= 100
+    assert "\n" not in repr(_scene(name))
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", _MADE)
 def test_a_batch_shows_the_ends_and_the_number_of_designs(name):
-    one = SCENES[name]
+    one = _scene(name)
     scales = (1.0, 1.3, 0.9)
 
     def scaled(leaf):
@@ -190,7 +196,7 @@ def test_a_batch_shows_the_ends_and_the_number_of_designs(name):
             _assert_value(_printed(batch)[label], value, {"d": "N·m", "c": "N"}[label[0]])
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", _MADE)
 def test_inside_a_trace_names_and_shapes_are_shown(name):
     said = []
 
@@ -198,23 +204,23 @@ def test_inside_a_trace_names_and_shapes_are_shown(name):
         said.append((str(result), repr(result), result._repr_html_()))
         return jax.tree.leaves(result)[0]
 
-    jax.eval_shape(look, SCENES[name])
+    jax.eval_shape(look, _scene(name))
     words, short, page = said[0]
     assert " inside a trace" in words.splitlines()[0]
     assert " inside a trace" in short
     assert "<table>" in page
     assert "float64[" in words or "arrays" in words
     # Known numbers inside a trace of something else cannot be computed with, either.
-    jax.eval_shape(lambda x: (said.append(str(SCENES[name])), x)[1], 1.0)
+    jax.eval_shape(lambda x: (said.append(str(_scene(name))), x)[1], 1.0)
     assert said[1].splitlines()[0] == words.splitlines()[0]
 
 
 def test_what_is_no_number_does_not_stop_the_printing():
-    shapes = jax.eval_shape(lambda state: state, _STEADY)
+    shapes = jax.eval_shape(lambda state: state, _scene("steady"))
     assert "efficiency" in str(shapes)
-    assert "bool" in str(jax.tree.map(lambda _: True, _STEADY))
-    assert "str" in str(jax.tree.map(lambda _: "x", _STEADY))
-    odd = eqx.tree_at(lambda s: s.efficiency, _STEADY, jnp.zeros((2, 3)))
+    assert "bool" in str(jax.tree.map(lambda _: True, _scene("steady")))
+    assert "str" in str(jax.tree.map(lambda _: "x", _scene("steady")))
+    odd = eqx.tree_at(lambda s: s.efficiency, _scene("steady"), jnp.zeros((2, 3)))
     assert "of 2 × 3 designs" in str(odd)
 
 
