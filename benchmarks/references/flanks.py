@@ -21,7 +21,7 @@ class Flanks(NamedTuple):
 
 
 def flanks_of(
-    lead: float, contact_angle: float, roller: float, starts: int, profile: float | None = None
+    lead: float, contact_angle: float, roller: float, starts: float, profile: float | None = None
 ) -> Flanks:
     """Flanks of a screw with nominal radii; without a profile radius the roller's arc is a ball."""
     flank = pi / 2 - contact_angle
