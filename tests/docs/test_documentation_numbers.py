@@ -3,13 +3,14 @@
 import re
 
 import pytest
-from claims import NUMBER, check, covered, numbers_of, page_text, value_of
-from claims_contact import CLAIMS as CONTACT
-from claims_published import CLAIMS as PUBLISHED
-from claims_readme import CLAIMS as README
-from claims_settings import CLAIMS as SETTINGS
-from claims_strength import CLAIMS as STRENGTH
-from claims_stress import CLAIMS as STRESS
+
+from tests.docs.claims import NUMBER, check, covered, numbers_of, page_text, value_of
+from tests.docs.claims.claims_contact import CLAIMS as CONTACT
+from tests.docs.claims.claims_published import CLAIMS as PUBLISHED
+from tests.docs.claims.claims_readme import CLAIMS as README
+from tests.docs.claims.claims_settings import CLAIMS as SETTINGS
+from tests.docs.claims.claims_strength import CLAIMS as STRENGTH
+from tests.docs.claims.claims_stress import CLAIMS as STRESS
 
 CLAIMS = [*PUBLISHED, *CONTACT, *STRESS, *STRENGTH, *README, *SETTINGS]
 #: Pages whose every number is a claim, and what of them is none: what a paper prints, what is

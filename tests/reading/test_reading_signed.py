@@ -113,7 +113,7 @@ def test_status_of_two_designs(data):
 
 @reads("section", "inputs_section")
 def test_inputs(sections):
-    """Without a file here; `tests/report/test_report_inputs.py` compares every number of files."""
+    """Without a file; `tests/report/document/test_report_inputs.py` compares numbers of files."""
     tables = {table.caption: table for table in sections["inputs"].tables}
     rows = {row[0]: row for row in tables["[stage.thread]"].rows}
     thread = scenes.example("wu2022").stages[0].thread

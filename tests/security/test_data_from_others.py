@@ -2,7 +2,8 @@
 
 Further attempts stand where the readers are tested: results that name other classes or sizes
 (`tests/results`), any text as a mechanism (`tests/file/test_file_fuzz.py`), any title in a report
-(`tests/report/test_report_markup.py`), names of attachments (`tests/report/test_report_write.py`).
+(`tests/report/test_report_markup.py`), names of attachments
+(`tests/report/document/test_report_write.py`).
 """
 
 import contextlib

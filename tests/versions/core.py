@@ -19,7 +19,7 @@ TESTS = (
     "tests/sensitivities/test_sensitivity_values.py::test_gradients_against_central_differences",
     "tests/sweeps/test_sweep_values.py",
     "tests/sweeps/test_sweep_stores.py",
-    "tests/report/test_report_write.py",
+    "tests/report/document/test_report_write.py",
     "tests/cli/test_cli_targets.py",
     "tests/programs/test_threads_fork.py",
 )

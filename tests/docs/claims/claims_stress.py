@@ -6,14 +6,14 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from claims import Claim
-from claims_contact import HERTZ, SURFACES, _grid_errors, _ring
 from scenes import array
 
 from prsm_jax.contact import hertz_contact, line_contact_under_force, subsurface_stress
 from prsm_jax.geometry import ring_vertex
 from prsm_jax.halfspace import grid_over, solve_contact, subsurface_stress_field
 from prsm_jax.validation._shape_function import _solved
+from tests.docs.claims import Claim
+from tests.docs.claims.claims_contact import HERTZ, SURFACES, _grid_errors, _ring
 
 _POISSON = 0.3
 _POINTS = 150

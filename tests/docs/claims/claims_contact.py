@@ -7,7 +7,6 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from claims import Claim
 from scenes import array, example
 
 from prsm_jax.contact import (
@@ -23,6 +22,7 @@ from prsm_jax.contact import (
 from prsm_jax.geometry import matched_profile_angle
 from prsm_jax.halfspace import grid_over, ring_contact, solve_contact
 from prsm_jax.mechanism import material_of
+from tests.docs.claims import Claim
 from tests.present import present
 
 HERTZ = "docs/contact_hertz.md"

@@ -3,7 +3,6 @@
 import functools
 
 import numpy as np
-from claims import Claim
 
 from prsm_jax.validation import Row, validate
 from prsm_jax.validation._examples import knees, steady, time_to_settle, transient
@@ -13,6 +12,7 @@ from prsm_jax.validation._thread_contacts import LOADS, pairs_of_threads
 from prsm_jax.validation.lisowski2014._lisowski2014_surfaces import LOW, flanks
 from prsm_jax.validation.wu2022._wu2022_frequencies import stable_frequencies
 from prsm_jax.validation.wu2022._wu2022_indefinite import static_energies
+from tests.docs.claims import Claim
 from tests.present import present
 
 PAGE = "docs/published_tables.md"

@@ -7,7 +7,6 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from ball_bearings import published, ring
-from claims import Claim
 from scenes import array, equal_shares
 from truncation_scenes import screw_of_30_mm, without_addenda
 
@@ -16,6 +15,7 @@ from benchmarks.references.meshing import Design
 from benchmarks.references.truncated import hertz_pressure, pressures
 from prsm_jax import strength
 from prsm_jax.contact import largest_pressure, pressure_ratio, truncation
+from tests.docs.claims import Claim
 from tests.present import present
 
 STRENGTH = "docs/strength.md"

@@ -1,10 +1,7 @@
 """Claims of README's table that rest on published numbers or on a grid."""
 
-import claims_contact
-import claims_published as published
-from claims import Claim
-
 from prsm_jax.validation import validate
+from tests.docs.claims import Claim, claims_contact, claims_published as published
 from tests.present import present
 
 README = "README.md"

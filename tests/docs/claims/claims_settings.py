@@ -7,7 +7,6 @@ import jax
 import jax.numpy as jnp
 import mpmath
 import numpy as np
-from claims import Claim
 
 from prsm_jax.cli.verbs import _modal
 from prsm_jax.contact import EllipseShape, _edge_pressure, slip_and_spin
@@ -16,6 +15,7 @@ from prsm_jax.dynamics.friction import _rubbing
 from prsm_jax.findings import _locking, _masses, _preferred, _stiffness
 from prsm_jax.optimisation.results._rounding import rounded_variables
 from prsm_jax.scenario import Scenario, TorqueScenario, _sequences
+from tests.docs.claims import Claim
 
 COMMANDS, FILES, FINDINGS = "docs/command_line.md", "docs/files.md", "docs/findings.md"
 FRICTION, MODEL, STRENGTH = "docs/friction.md", "docs/model.md", "docs/strength.md"
