@@ -7,6 +7,7 @@ import pytest
 
 import prsm_jax
 from prsm_jax import file
+from prsm_jax.programs import _stored
 from tests import scenes
 
 #: Keys that users' scripts rely on.
@@ -72,6 +73,8 @@ def test_steady_json_agrees_with_python(prsm_json):
 
 def test_steady_twice_uses_the_stored_program(prsm_json, monkeypatch, tmp_path):
     monkeypatch.setenv("PRSM_JAX_CACHE", str(tmp_path / "cache"))
+    # Other tests of this process may have used the program from another folder.
+    monkeypatch.setattr(_stored, "_used", {})
     first = prsm_json("steady", "wu2022")
     stored = list((tmp_path / "cache" / "programs").iterdir())
     assert len(stored) == 1
