@@ -1,5 +1,7 @@
 """A process that runs one verb uses stored programs, and finds the same as one that traces."""
 
+import pickle
+
 import equinox as eqx
 import jax
 import numpy as np
@@ -159,3 +161,33 @@ def test_programs_that_two_workers_share_are_written_whole(tmp_path):
     # Written under another name, then renamed.
     assert len(names) == 1
     assert names != ["one-cache"]
+
+
+def test_facts_of_two_functions_with_the_same_arguments_are_kept_apart(one_verb):
+    mechanism = example("wu2022")
+    counted = []
+
+    def facts(words):
+        return _stored.stored_facts(words, lambda _: counted.append(words) or words, mechanism)
+
+    assert [facts("first"), facts("second"), facts("first"), facts("second")] == [
+        "first",
+        "second",
+        "first",
+        "second",
+    ]
+    assert counted == ["first", "second"]
+    assert len(list(one_verb.iterdir())) == 2
+
+
+def test_a_changed_entry_is_not_unpickled(one_verb):
+    """Only bytes with the hash that was written beside them reach pickle."""
+    mechanism = example("wu2022")
+    _stored.stored_facts("first", lambda _: "as computed", mechanism)
+    (path,) = one_verb.iterdir()
+    kept = path.read_bytes()
+    # A valid pickle of another result, behind the hash of the first one.
+    path.write_bytes(kept[:32] + pickle.dumps("as changed"))
+    assert _stored.stored_facts("first", lambda _: "as computed", mechanism) == "as computed"
+    # It has been replaced by what was computed.
+    assert path.read_bytes() == kept
