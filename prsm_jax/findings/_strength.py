@@ -202,11 +202,12 @@ def _false_brinelling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         return data.oscillation_amplitude, minimum_amplitude_of(analysis, index, stage)
 
     def message(r: Reading) -> str:
+        turning = mechanism.stages[index].thread.family.turning
         return (
-            f"the screw oscillates by {math.degrees(r.details['there']):.3g} deg to either side, "
-            "but its contacts leave their own ellipse only from "
+            f"the {turning} oscillates by {math.degrees(r.details['there']):.3g} deg to either "
+            "side, but its contacts leave their own ellipse only from "
             f"{math.degrees(r.details['needed']):.3g} deg on: they wear locally, which the rating "
-            "life does not cover; turn the screw further from time to time"
+            f"life does not cover; turn the {turning} further from time to time"
         )
 
     yield _at_least("false_brinelling", index, amplitudes, message, "rad", unit="rad")

@@ -28,7 +28,7 @@ _LABELS = {
     "static_safety": "static safety",
     "max_pressure": "contact pressure, equal sharing",
     "rating_life": "rating life, with its factors",
-    "screw_speed": "screw speed (critical speed)",
+    "screw_speed": "speed of the body that turns",
     "backlash": "backlash",
     "dynamic_capacity": "dynamic capacity",
 }

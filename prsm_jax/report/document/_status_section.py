@@ -17,7 +17,7 @@ _LABELS = {
     "rating_life": "rating life, with its factors",
     "rating_life_time": "rating life L10h",
     "buckling": "safety against buckling",
-    "screw_speed": "screw speed (critical speed)",
+    "screw_speed": "speed of the body that turns",
     "contact_truncation": "share of the ellipse past the {}",
     "false_brinelling": "amplitude of oscillation",
     "jamming": "friction coefficient (jamming)",

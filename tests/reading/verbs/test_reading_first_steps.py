@@ -18,6 +18,7 @@ from prsm_jax.cli.verbs.first_steps import _doctor, _new
 from prsm_jax.cli.verbs.first_steps._file_text import file_text
 from prsm_jax.dimensioning import Dimensioning, Requirements
 from prsm_jax.dimensioning._dimension import _mechanism
+from prsm_jax.friction import CoulombFriction
 from tests.present import present
 
 _OPTIONS = ("--load", "11 kN", "--stroke", "310 mm", "--speed", "120 mm/s", "--life", "4000 h")
@@ -170,7 +171,9 @@ def test_comments_of_a_new_file_say_the_rules_of_its_numbers(row):
     (spare,) = _numbers(said["stage.roller_count"])
     assert stage.roller_count == math.floor(math.pi / angle + 1e-9) - spare
     factor, one = _numbers(said["stage.friction.thread.coefficient"])
-    assert stage.friction.thread.coefficient == close(factor * (starts - one))
+    law = present(stage.friction).thread
+    assert isinstance(law, CoulombFriction)
+    assert law.coefficient == close(factor * (starts - one))
     strength = present(stage.strength)
     assert (strength.fatigue_rule, "equivalent balls" in said["stage.strength.fatigue_rule"]) == (
         "equivalent_balls",
