@@ -90,8 +90,8 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         return (
             f"nearly self-locking: only {r.value:.0%} of the work of the load reaches the "
             f"{turning}, so lubricant and wear decide whether the load turns it (thread "
-            f"friction alone is self-locking above a friction coefficient of {limit:.3g}); change friction or "
-            "contact angle, or add a brake"
+            f"friction alone is self-locking above a friction coefficient of {limit:.3g}); change "
+            "friction or contact angle, or add a brake"
         )
 
     yield Margin(

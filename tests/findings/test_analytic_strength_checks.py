@@ -208,8 +208,10 @@ def test_the_status_is_the_worst_verdict():
     one = _checks(_at(7e3))["static_safety"]
     said = lambda verdict: dataclasses.replace(one, verdict=verdict)  # noqa: E731
     finding = lambda severity: Finding("x", severity, 1, 0.0, 0.0, "words")  # noqa: E731
-    assert status_of((), ()) == "pass"
-    assert status_of((said("no limit"),), (finding("note"),)) == "pass"
+    assert status_of((said("pass"), said("no limit")), (finding("note"),)) == "pass"
+    # Nothing has a limit that could be kept.
+    assert status_of((), ()) == "no checks"
+    assert status_of((said("no limit"),), (finding("note"),)) == "no checks"
     assert status_of((said("warning"),), ()) == "warning"
     assert status_of((said("pass"),), (finding("warning"),)) == "warning"
     assert status_of((said("warning"), said("fail")), ()) == "fail"
