@@ -30,7 +30,7 @@ def _without_friction(mechanism: Mechanism) -> bool:
 
 @margin_source
 def _jamming(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """The driving screw jams, or is close to jamming."""
+    """The driving screw or nut jams, or is close to jamming."""
     if _without_friction(mechanism):
         return
 
@@ -42,11 +42,12 @@ def _jamming(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         return jamming_margin(single, (geometry,), jnp.abs(analysis.speed), load)
 
     def message(r: Reading) -> str:
+        turning = mechanism.stages[index].thread.family.turning
         relation = "exceeds" if r.severity == "error" else "is close to"
         limit = r.details["limit"]
         return (
             f"the friction coefficient of the threads, {(1 - r.value) * limit:.3g}, {relation} "
-            f"{limit:.3g}, where the driving screw jams: lower it, or raise the contact angle"
+            f"{limit:.3g}, where the driving {turning} jams: lower it, or raise the contact angle"
         )
 
     yield Margin(
@@ -68,7 +69,7 @@ def _jamming(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 @margin_source
 def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """The load cannot turn the screw, or lubricant and wear decide whether it does."""
+    """The load alone causes no motion, or lubricant and wear decide whether it does."""
     if _without_friction(mechanism) or index > 0:
         return
 
@@ -79,17 +80,18 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
     def message(r: Reading) -> str:
         limit = r.details["limit"]
+        turning = mechanism.stages[0].thread.family.turning
         if r.severity == "note":
             return (
-                "self-locking: friction holds the load without torque, and the screw needs "
+                f"self-locking: friction holds the load without torque, and the {turning} needs "
                 "torque in either direction (thread friction alone is self-locking above a "
                 f"friction coefficient of {limit:.3g})"
             )
         return (
-            f"nearly self-locking: only {r.value:.0%} of the work of the load reaches the screw, "
-            "so lubricant and wear decide whether the load turns it (thread friction alone is "
-            f"self-locking above a friction coefficient of {limit:.3g}); change friction or "
-            "contact angle, or add a brake"
+            f"nearly self-locking: only {r.value:.0%} of the work of the load reaches the "
+            f"{turning}, so lubricant and wear decide whether the load turns it (thread "
+            f"friction alone is self-locking above a friction coefficient of {limit:.3g}); change "
+            "friction or contact angle, or add a brake"
         )
 
     yield Margin(

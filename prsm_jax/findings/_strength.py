@@ -131,42 +131,44 @@ def _buckling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 @_where_given("shaft")
 def _screw_speed(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    turning = mechanism.stages[index].thread.family.turning
+
     def details(analysis: Analysis) -> dict[str, Scalar]:
         stage, _ = _stage(analysis, index)
-        return {
-            "speed": analysis.demand[0],
-            "permissible": strength.permissible_speed(stage),
-            "critical": strength.critical_speed(stage),
-        }
+        speeds = {"speed": analysis.demand[0], "permissible": strength.permissible_speed(stage)}
+        # A screw that does not turn has no critical speed.
+        return speeds | ({"critical": strength.critical_speed(stage)} if turning == "screw" else {})
 
-    def message(r: Reading) -> str:
-        critical = r.severity == "error"
-        limit_name = "its critical speed" if critical else "the permissible speed"
-        limit = r.details["critical" if critical else "permissible"]
+    def message(r: Reading, limit: str) -> str:
+        words = {"critical": "its critical speed", "permissible": "the permissible speed"}[limit]
+        remedy = "shorten the unsupported length, fix the ends, or take a larger lead"
+        if turning == "nut":
+            remedy = "take a larger lead, or a lubricant with a higher DN limit"
         return (
-            f"the screw turns at {r.details['speed'] * 30 / math.pi:.5g} rpm, above {limit_name} "
-            f"of {limit * 30 / math.pi:.5g} rpm: shorten the unsupported length, fix the ends, or "
-            "take a larger lead"
+            f"the {turning} turns at {r.details['speed'] * 30 / math.pi:.5g} rpm, above {words} "
+            f"of {r.details[limit] * 30 / math.pi:.5g} rpm: {remedy}"
         )
 
-    levels: tuple[tuple[Severity, str], ...] = (("error", "critical"), ("warning", "permissible"))
-    for severity, limit in levels:
-
-        def value(analysis: Analysis, limit=limit) -> Scalar:
+    def margin(severity: Severity, limit: str) -> Margin:
+        def value(analysis: Analysis) -> Scalar:
             speeds = details(analysis)
             return 1 - speeds["speed"] / speeds[limit]
 
-        yield Margin(
+        return Margin(
             "screw_speed",
             index + 1,
             value,
             ((severity, 0.0),),
-            message,
+            lambda r: message(r, limit),
             details=details,
-            shown=lambda r: (r.details["speed"], r.details["permissible"]),
+            shown=lambda r: (r.details["speed"], r.details[limit]),
             shown_unit="rad/s",
             at_most=True,
         )
+
+    if turning == "screw":
+        yield margin("error", "critical")
+    yield margin("warning", "permissible")
 
 
 @_where_given("required_life")
@@ -200,11 +202,12 @@ def _false_brinelling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         return data.oscillation_amplitude, minimum_amplitude_of(analysis, index, stage)
 
     def message(r: Reading) -> str:
+        turning = mechanism.stages[index].thread.family.turning
         return (
-            f"the screw oscillates by {math.degrees(r.details['there']):.3g} deg to either side, "
-            "but its contacts leave their own ellipse only from "
+            f"the {turning} oscillates by {math.degrees(r.details['there']):.3g} deg to either "
+            "side, but its contacts leave their own ellipse only from "
             f"{math.degrees(r.details['needed']):.3g} deg on: they wear locally, which the rating "
-            "life does not cover; turn the screw further from time to time"
+            f"life does not cover; turn the {turning} further from time to time"
         )
 
     yield _at_least("false_brinelling", index, amplitudes, message, "rad", unit="rad")

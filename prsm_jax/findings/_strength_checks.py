@@ -18,7 +18,7 @@ from ._check import CheckNumbers, margin_numbers, plain_numbers
 from ._margin import Margin, Reading, margins_of, severity_at
 
 Verdict: TypeAlias = Literal["pass", "warning", "fail", "no limit"]
-Status: TypeAlias = Literal["pass", "warning", "fail"]
+Status: TypeAlias = Literal["pass", "warning", "fail", "no checks"]
 
 #: Names of the margins that are checks, in the order of the table; a quantity of `_WITHOUT_LIMIT`
 #: stands after the margin of the same kind.
@@ -204,7 +204,7 @@ def strength_checks(mechanism: Mechanism) -> tuple[StrengthCheck, ...]:
 
 
 def status_of(checks: Iterable[StrengthCheck], findings: Iterable[Finding] | None) -> Status:
-    """The worst verdict of checks and findings.
+    """The worst verdict of checks and findings; `"no checks"` if neither has a limit to keep.
 
     **Arguments:**
 
@@ -215,4 +215,6 @@ def status_of(checks: Iterable[StrengthCheck], findings: Iterable[Finding] | Non
     severities = {"warning"} if findings is None else {one.severity for one in findings}
     if "fail" in verdicts or "error" in severities:
         return "fail"
-    return "warning" if "warning" in verdicts or "warning" in severities else "pass"
+    if "warning" in verdicts or "warning" in severities:
+        return "warning"
+    return "pass" if "pass" in verdicts else "no checks"

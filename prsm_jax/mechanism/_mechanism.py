@@ -159,9 +159,11 @@ class Stage(Limited):
 
 
 class OperatingPoint(Limited):
-    """The steady operating point: prescribed screw speed and load on the last nut."""
+    """The steady operating point: prescribed speed of turning and load on the last nut."""
 
-    speed: Number = number("rad/s", "screw speed; negative when the load drives the screw back")
+    speed: Number = number(
+        "rad/s", "speed of the body that turns; negative when the load drives it back"
+    )
     load: Number = number("N", "axial load on the last nut, against its motion at positive speed")
     duration: OptionalNumber = optional_number("s", "length of a transient simulation")
 
@@ -171,7 +173,9 @@ class DutyCycle(Limited):
 
     to_come: ClassVar[bool] = False
     duration: Numbers = numbers("s", "length of each phase")
-    speed: Numbers = numbers("rad/s", "screw speed in each phase", length="duration")
+    speed: Numbers = numbers(
+        "rad/s", "speed of the body that turns in each phase", length="duration"
+    )
     load: Numbers = numbers("N", "axial load in each phase", length="duration")
 
 

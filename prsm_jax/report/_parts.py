@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
+from .._errors import UnknownNameError
+from ..quantities import quantity_of
 from ..text import DisplayUnit
 from ._style import BODY_COLOURS, INK, MUTED, SMALL, TITLE, Axes, Figure, readable
 
@@ -130,3 +132,17 @@ def draw_pressure(
     axes.axhline(0, color=INK, lw=0.3, ls=CHAIN)
     axes.axvline(0, color=INK, lw=0.3, ls=CHAIN)
     return image
+
+
+def component_words(label: str) -> str:
+    """A component of a quantity as words: `rating_life[2]` → "rating life, stage 2"."""
+    name, _, index = label.partition("[")
+    try:
+        dimensions = quantity_of(label).dimensions
+    except UnknownNameError:
+        dimensions = ()
+    numbers = index.rstrip("]").split(",") if index else []
+    if len(numbers) != len(dimensions):
+        return readable(label)
+    places = [f"{readable(one)} {number}" for one, number in zip(dimensions, numbers, strict=True)]
+    return ", ".join([readable(name), *places])

@@ -58,8 +58,8 @@ class Scenario(Limited):
     """
 
     to_come: ClassVar[bool] = False
-    #: Screw speed Ω [rad/s].
-    speed: Driven = driven("rad/s", "screw speed")
+    #: Speed Ω of the body that turns, screw or nut [rad/s].
+    speed: Driven = driven("rad/s", "speed of the body that turns")
     #: Load on the last nut, against its motion at positive speed [N].
     load: DrivenLoad = driven("N", "load on the last nut")
     #: Length of the simulation [s].
@@ -107,10 +107,12 @@ class TorqueScenario(Limited):
     load: DrivenLoad = driven("N", "load on the last nut")
     #: [s]
     duration: Number = number("s", "length of the simulation", limit=POSITIVE)
-    #: Screw speed at the start [rad/s]. The carriers start in the ratio in which they settle with
-    #: this motion of the screw. If they do not settle, because the screw is braked harder than
+    #: Speed of the body that turns at the start [rad/s]. The carriers start in the ratio in which
+    #: they settle with this motion. If they do not settle, because the body is braked harder than
     #: friction in the threads can brake them, they start in the ratio of rolling.
-    initial_speed: Number = number("rad/s", "screw speed at the start", default=0.0)
+    initial_speed: Number = number(
+        "rad/s", "speed of the body that turns at the start", default=0.0
+    )
     #: Position of the nut at the start [m].
     initial_position: Number = number(
         "m", "position of the nut at the start", default=0.0, limit=ANY

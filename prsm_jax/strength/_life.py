@@ -1,4 +1,4 @@
-"""Rating life: in turns of the screw, with a load spectrum on one or both flanks."""
+"""Rating life: in revolutions of the body that turns, with loads on one or both flanks."""
 
 from typing import Annotated
 

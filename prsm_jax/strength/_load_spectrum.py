@@ -21,7 +21,7 @@ class LoadSpectrum(Result):
 
     #: Axial load; its sign gives the flank [N].
     load: Annotated[Float[Array, " phases"], In("N")]
-    #: Angle that the screw turns through in each phase, the sum of both directions [rad].
+    #: Angle of the turning body (screw or nut) in each phase, sum of both directions [rad].
     turned_angle: Annotated[Float[Array, " phases"], In("rad")]
     #: [s]
     duration: Annotated[Float[Array, " phases"], In("s")]
@@ -30,7 +30,7 @@ class LoadSpectrum(Result):
         """What `print` shows."""
         turns = np.asarray(self.turned_angle) / (2 * np.pi)
         load, _, duration = lines_of(self)
-        return [load, Line("turns of the screw", turns), duration]
+        return [load, Line("revolutions", turns), duration]
 
     @property
     def possible(self) -> Bool[Array, ""]:
@@ -44,7 +44,7 @@ class LoadSpectrum(Result):
 
     @property
     def weights(self) -> Float[Array, " phases"]:
-        """Share of each phase in the total angle; in the total time if the screw never turns."""
+        """Share of each phase in the total angle; in the total time if nothing ever turns."""
         total = jnp.sum(self.turned_angle)
         turns = above_or_nan(total)
         denominator = jnp.where(turns, total, jnp.sum(self.duration))
@@ -52,7 +52,7 @@ class LoadSpectrum(Result):
 
     @property
     def revolutions(self) -> Scalar:
-        """Total revolutions of the screw in all phases."""
+        """Total revolutions in all phases."""
         return jnp.sum(self.turned_angle) / (2 * jnp.pi)
 
     @property
@@ -62,14 +62,14 @@ class LoadSpectrum(Result):
 
     @property
     def phase_speed(self) -> Float[Array, " phases"]:
-        """Magnitude of the screw speed in each phase [rad/s]; 0 in a phase without duration."""
+        """Magnitude of the speed in each phase [rad/s]; 0 in a phase without duration."""
         lasts = above_or_nan(self.duration)
         return jnp.where(lasts, self.turned_angle, 0.0) / jnp.where(lasts, self.duration, 1.0)
 
 
 @runtime_checkable
 class History(Protocol):
-    """Attributes used of a history: equally spaced times, screw speed, and load on the last nut."""
+    """Attributes used of a history: equally spaced times, speed, and load on the last nut."""
 
     @property
     def time(self) -> Float[Array, " times"]: ...

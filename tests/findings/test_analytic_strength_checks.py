@@ -46,6 +46,21 @@ def _at(load, speed=100.0):
     return eqx.tree_at(lambda m: m.operating_point, _mechanism(), changed)
 
 
+def _inverted(rpm):
+    """The leg with capacities as from a catalogue, so that no contact is computed."""
+    mechanism = scenes.example("humanoid_leg")
+    data = Strength(
+        static_capacity=_C0,
+        dynamic_capacity=_CA,
+        shaft=present(present(mechanism.stages[0].strength).shaft),
+    )
+    stage = dataclasses.replace(mechanism.stages[0], strength=data, gear=None, friction=None)
+    point = dataclasses.replace(
+        present(mechanism.operating_point), speed=jnp.asarray(rpm * math.pi / 30)
+    )
+    return dataclasses.replace(mechanism, stages=(stage,), operating_point=point, duty_cycle=None)
+
+
 def _checks(mechanism) -> dict[str, StrengthCheck]:
     return {one.name: one for one in prsm.strength_checks(mechanism)}
 
@@ -109,6 +124,45 @@ def test_buckling_warns_below_2_and_fails_below_1(share):
     assert one.verdict == ("pass" if share < 0.5 else "warning" if share < 1 else "fail")
 
 
+@pytest.mark.parametrize(
+    ("share", "limit", "verdict"),
+    [(0.7, "permissible", "pass"), (0.9, "permissible", "warning"), (1.1, "critical", "fail")],
+)
+def test_the_screw_speed_is_shown_beside_the_limit_that_it_passes(share, limit, verdict):
+    """By hand: Ω = (3.9266/l)² √(E r²/(4 ρ)) of a solid round bar; 0.8 of it is permissible."""
+    critical = (3.9266023120479187 / _LENGTH) ** 2 * math.sqrt(212e9 * _ROOT**2 / 4 / 7850.0)
+    limits = {"critical": critical, "permissible": 0.8 * critical}
+    mechanism = _at(7e3, share * critical)
+    one = _checks(mechanism)["screw_speed"]
+    assert one.verdict == verdict
+    assert one.limit == pytest.approx(limits[limit], rel=1e-9)
+    assert one.margin == pytest.approx(1 - one.value / limits[limit], abs=1e-9)
+    found = [f for f in prsm.check(mechanism) if f.name == "screw_speed"]
+    assert [f.limit for f in found] == ([] if verdict == "pass" else [one.limit])
+    if found:
+        rpm = share * critical * 30 / math.pi, limits[limit] * 30 / math.pi
+        said = {"critical": "its critical speed", "permissible": "the permissible speed"}[limit]
+        words = f"the screw turns at {rpm[0]:.5g} rpm, above {said} of {rpm[1]:.5g} rpm"
+        assert words in found[0].message
+
+
+@pytest.mark.parametrize(("rpm", "verdict"), [(5900.0, "pass"), (6100.0, "warning")])
+def test_where_the_nut_turns_the_dn_value_limits_its_speed(rpm, verdict):
+    """120,000 mm rpm of a screw of 20 mm: 6000 rpm. Its screw has no critical speed."""
+    mechanism = _inverted(rpm)
+    one = _checks(mechanism)["screw_speed"]
+    assert one.verdict == verdict
+    assert one.limit is not None
+    assert one.limit * 30 / math.pi == pytest.approx(6000, rel=1e-9)
+    assert one.margin == pytest.approx(1 - rpm / 6000, abs=1e-9)
+    (finding,) = [f for f in prsm.check(mechanism) if f.name == "screw_speed"] or [None]
+    assert (finding is None) == (verdict == "pass")
+    if finding is not None:
+        assert "the nut turns at 6100 rpm, above the permissible speed of 6000" in finding.message
+        assert "DN limit" in finding.message
+        assert "ends" not in finding.message
+
+
 @pytest.mark.parametrize("load", [7e3, 50e3, 70e3])
 @pytest.mark.parametrize("speed", [100.0, 4e3])
 def test_verdicts_are_those_of_check(load, speed):
@@ -154,8 +208,10 @@ def test_the_status_is_the_worst_verdict():
     one = _checks(_at(7e3))["static_safety"]
     said = lambda verdict: dataclasses.replace(one, verdict=verdict)  # noqa: E731
     finding = lambda severity: Finding("x", severity, 1, 0.0, 0.0, "words")  # noqa: E731
-    assert status_of((), ()) == "pass"
-    assert status_of((said("no limit"),), (finding("note"),)) == "pass"
+    assert status_of((said("pass"), said("no limit")), (finding("note"),)) == "pass"
+    # Nothing has a limit that could be kept.
+    assert status_of((), ()) == "no checks"
+    assert status_of((said("no limit"),), (finding("note"),)) == "no checks"
     assert status_of((said("warning"),), ()) == "warning"
     assert status_of((said("pass"),), (finding("warning"),)) == "warning"
     assert status_of((said("warning"), said("fail")), ()) == "fail"

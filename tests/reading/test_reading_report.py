@@ -27,9 +27,12 @@ from prsm_jax.report.document import (
     _mechanism_section,
     _strength_section,
 )
+from prsm_jax.report.document._analysis_sections import steady_section
 from prsm_jax.report.document._sections import report_sections
+from prsm_jax.report.motion_charts import histories
 from prsm_jax.report.results import STRENGTH
 from prsm_jax.text._plain_text import markdown as escaped
+from tests.present import present
 
 _MINUS = "\N{MINUS SIGN}"
 
@@ -387,6 +390,18 @@ def test_steady(sections, data):
         for name, v in lost
     ]
     assert_table(losses, ("loss", "power in W", "share of the input in %"), expected)
+
+
+def test_where_the_nut_turns_its_speed_is_named(data):
+    leg = scenes.example("humanoid_leg")
+    locked = dataclasses.replace(data, mechanism=leg, backward=made.steady(0, True), improved=None)
+    section = present(steady_section(locked))
+    cells = [row[0] for row in section.tables[0].rows]
+    assert {"efficiency, nut drives", "carrier speed over nut speed"} <= set(cells)
+    assert any("the load alone does not turn the nut" in words for words in section.paragraphs)
+    assert "drives the screw" not in " ".join([*cells, *section.paragraphs])
+    (first, *_) = histories(leg, made.transient())
+    assert first.name == "nut speed"
 
 
 def test_a_locked_mechanism_has_no_efficiency_of_the_load(data):

@@ -28,7 +28,7 @@ _LABELS = {
     "static_safety": "static safety",
     "max_pressure": "contact pressure, equal sharing",
     "rating_life": "rating life, with its factors",
-    "screw_speed": "screw speed (critical speed)",
+    "screw_speed": "speed of the body that turns",
     "backlash": "backlash",
     "dynamic_capacity": "dynamic capacity",
 }
@@ -90,8 +90,8 @@ def test_status(sections, data):
     _assert_rows(table.rows, _CHECKS)
     first = section.paragraphs[0]
     assert first == (
-        "Status: fail. Of 6 checks 3 keep their limit, 1 are beyond a limit of severity warning, "
-        "1 fail, 1 have no limit. The findings have 1 warning."
+        "Status: fail. Of 6 checks 3 keep their limit, 1 is beyond a limit of severity warning, "
+        "1 fails, 1 has no limit. The findings have 1 warning."
     )
 
 
@@ -105,6 +105,13 @@ def test_status_of_two_designs(data):
     _assert_rows(section.tables[1].rows, kept)
     assert section.paragraphs[0].startswith("Status of the start: fail.")
     assert section.paragraphs[1].startswith("Status of the optimum: pass.")
+    one = dataclasses.replace(data, checks=kept[:1], findings=())
+    words = report_sections(one)[0].paragraphs[0]
+    assert words.startswith("Status: pass. Of 1 check 1 keeps its limit. The")
+    # The findings of geometry are made, so the status is theirs.
+    bare = report_sections(dataclasses.replace(data, checks=(), findings=()))[0]
+    assert (bare.status, bare.tables) == ("pass", ())
+    assert "No check has a limit." in bare.paragraphs[0]
     unknown = dataclasses.replace(data, checks=None, findings=None)
     section = report_sections(unknown)[0]
     assert section.status == "warning"
@@ -175,6 +182,19 @@ def test_strength(run, monkeypatch):
             assert_reads(cells[1].removeprefix(limit[0]), (limit[1], limit[2], "whole"))
             assert_reads(cells[2], margin)
     printed.finish()
+
+
+def test_strength_of_a_file_without_limits(run, monkeypatch):
+    """No table, no verdict, and what the file must hold."""
+    monkeypatch.setattr(_analyse, "check_values", lambda _: {})
+    monkeypatch.setattr(_analyse, "checked_numbers", lambda _: None)
+    monkeypatch.setattr(_analyse, "check_from", lambda *_: ())
+    monkeypatch.setattr(_analyse, "strength_checks_from", lambda *_: ())
+    found, printed = run("strength", "wu2022")
+    assert (found["status"], found["checks"]) == ("no checks", [])
+    words = " ".join(cell for cells in printed.lines for cell in cells)
+    assert words.startswith("No checks: the file gives no limit. Give permissible_pressure")
+    assert "Strength of" not in words
 
 
 @reads("verb", "report")

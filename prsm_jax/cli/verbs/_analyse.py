@@ -42,11 +42,19 @@ def check(file: str, *, common: Common = _DEFAULT) -> int:
     return int(any(f.severity == "error" for f in findings))
 
 
+#: What a file without limits lacks.
+_NO_CHECKS = (
+    "No checks: the file gives no limit. Give permissible_pressure, required_life or a shaft in "
+    "[stage.strength], or a friction law in [stage.friction]."
+)
+
+
 @app.command
 def strength(file: str, *, common: Common = _DEFAULT) -> int:
     """Safety, life, buckling, speed, play: value, limit, margin and verdict of each.
 
-    Exit status 1 if a check fails. --out writes the table as strength.json and strength.md.
+    Exit status 1 if a check fails. --out writes the table as strength.json and strength.md. The
+    status is "no checks" where the file gives no limit.
     """
     mechanism = common.load(file)
     numbers = checked_numbers(mechanism)
@@ -62,7 +70,12 @@ def strength(file: str, *, common: Common = _DEFAULT) -> int:
     table = TextTable(shown.caption, shown.head, shown.rows)
     if common.out is not None:
         save_tables(common.out, "strength", results, [table], rests_on)
-    valid = emit(common, results, lambda: table.text(terminal_width()), rests_on, findings)
+
+    def text() -> str:
+        words = table.text(terminal_width()) if table.rows else ""
+        return words + (prose(_NO_CHECKS) if status == "no checks" else "")
+
+    valid = emit(common, results, text, rests_on, findings)
     return int(not valid or status == "fail")
 
 

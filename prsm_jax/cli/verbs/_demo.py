@@ -37,8 +37,10 @@ _PROGRAMS = (
     "load_distribution",
 )
 #: Quantities of strength in the sensitivities of the demo, beside those that are the default.
-#: Derivatives of capacities with load sharing take too long to compile.
-_OF_STRENGTH = ("buckling_safety", "critical_speed_margin")
+_OF_STRENGTH = (
+    *("dynamic_capacity", "rating_life_time", "static_safety"),
+    *("buckling_safety", "critical_speed_margin"),
+)
 # The search for the largest stress is slow if it is not compiled.
 _contact_results = eqx.filter_jit(contact_results)
 

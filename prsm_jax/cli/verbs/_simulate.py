@@ -125,13 +125,13 @@ def _summary(run: Transient) -> dict[str, Any]:
     return {"duration_s": run.time[-1] - run.time[0], **_numbers(run)}
 
 
-def _mission(summary: dict[str, Any]) -> list[Line]:
+def _mission(summary: dict[str, Any], turning: str) -> list[Line]:
     return [
         ("duration", summary["duration_s"], "s"),
         ("peak drive torque", summary["peak_drive_torque_nm"], "N·m"),
         ("RMS drive torque", summary["rms_drive_torque_nm"], "N·m"),
         ("peak drive power", summary["peak_drive_power_w"], "W"),
-        ("peak screw speed", summary["peak_screw_speed_rad_per_s"], "rad/s"),
+        (f"peak {turning} speed", summary["peak_screw_speed_rad_per_s"], "rad/s"),
         ("largest contact force", summary["peak_contact_force_n"], "N"),
         ("energy from the drive", summary["drive_energy_j"], "J"),
         ("energy to the load", summary["load_energy_j"], "J"),
@@ -179,7 +179,9 @@ def simulate(
         results["pictures"] = list(pictures)
 
     def text() -> str:
-        words = table(f"Transient: {file}", ("", "", ""), in_units(_mission(results["summary"])))
+        turning = mechanism.stages[0].thread.family.turning
+        mission = in_units(_mission(results["summary"], turning))
+        words = table(f"Transient: {file}", ("", "", ""), mission)
         if _moves_at_an_end(run):
             words += table("", ("", "start", "end"), _ends(run))
         words += prose(_solver(results["solver"]))

@@ -38,8 +38,8 @@ _LEAST_LOAD = 1e-100
 #: By code. Self-locking is a valid state; the others have no valid steady state.
 _MEANINGS = (
     "successful",
-    "self-locking: the load does not turn the screw, which must be driven in the direction of the "
-    "load; for back-driving, lower friction or contact angle (quantity self_locking_margin)",
+    "self-locking: the load alone causes no motion, and the motor must drive in the direction of "
+    "the load; for back-driving, lower friction or contact angle (quantity self_locking_margin)",
     "jammed: thread friction cancels the axial part of the normal force, and no torque moves the "
     "load; lower the friction or raise the contact angle (quantity jamming_margin)",
     "no balance: thread friction cannot drive the carriers against their losses; raise it, or "

@@ -100,7 +100,7 @@ class Choice:
 class OperatingCase:
     """A speed and a load at which a design is judged, and its share in the mean [rad/s, N, 1]."""
 
-    speed: float = choice("speed of the screw")
+    speed: float = choice("speed of the body that turns")
     load: float = choice("axial load")
     share: float = choice("share in the mean", default=1.0)
 

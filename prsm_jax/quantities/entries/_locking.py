@@ -43,7 +43,7 @@ def self_locking_margin(analysis: Analysis):
     "critical_friction_coefficient",
     "μ_lock",
     "1",
-    "thread friction coefficient above which a load does not turn the screw",
+    "thread friction coefficient above which a load does not turn screw or nut",
     ("stage",),
 )
 def critical_friction_coefficient(analysis: Analysis):

@@ -26,7 +26,9 @@ def efficiency(analysis: Analysis):
     return analysis.steady.efficiency
 
 
-@_with_friction("efficiency_forward", "η_f", "1", "efficiency when the screw drives the nut")
+@_with_friction(
+    "efficiency_forward", "η_f", "1", "efficiency when the body that turns drives the other"
+)
 def efficiency_forward(analysis: Analysis):
     return analysis.driven(1).efficiency
 
@@ -35,7 +37,7 @@ def efficiency_forward(analysis: Analysis):
     "efficiency_backward",
     "η_b",
     "1",
-    "efficiency when the load drives the screw; negative means self-locking",
+    "efficiency when the load drives; negative means self-locking",
 )
 def efficiency_backward(analysis: Analysis):
     return analysis.driven(-1).efficiency

@@ -34,7 +34,8 @@ def equivalent_load(analysis: Analysis):
     "equivalent_speed",
     "Ω_m",
     "rad/s",
-    "mean magnitude of the screw speed over the duty cycle (as ISO 3408-5 for ball screws)",
+    "mean speed of the body that turns, as a magnitude, over the duty cycle (as ISO 3408-5 for "
+    "ball screws)",
 )
 def equivalent_speed(analysis: Analysis):
     analysis.require_duty_cycle()
@@ -60,8 +61,8 @@ def _rating_life(analysis: Analysis, name: str):
     "rating_life",
     "L_10",
     "1",
-    "turns of the screw at 90 % reliability, under the duty cycle, or the operating point without "
-    "one (as ISO 3408-5 for ball screws); ∞ without load",
+    "revolutions of the body that turns at 90 % reliability, under the duty cycle, or the "
+    "operating point without one (as ISO 3408-5 for ball screws); ∞ without load",
     ("stage",),
 )
 def rating_life(analysis: Analysis):
@@ -104,8 +105,8 @@ def _life_factor(stage: Stage) -> Scalar:
     "modified_rating_life",
     "L_nm",
     "1",
-    "turns of the screw at the required reliability, with the given factors for lubrication and "
-    "material and the factor for oscillation (as ISO 281 for bearings)",
+    "revolutions of the body that turns at the required reliability, with the given factors for "
+    "lubrication and material and the factor for oscillation (as ISO 281 for bearings)",
     ("stage",),
 )
 def modified_rating_life(analysis: Analysis):

@@ -43,7 +43,7 @@ def life_chart(
     - `fatigue`: `strength.truncated_fatigue` of the stage, where flanks end: life and damage then
       depend on the part of the ellipses that remains on the flanks under each load.
 
-    **Returns:** a matplotlib figure; loads in N or kN, lives in turns of the screw.
+    **Returns:** a matplotlib figure; loads in N or kN, lives in turns.
 
     **Raises:** `ValueError` for a spectrum without load; `MissingExtraError` without matplotlib.
     """
@@ -126,7 +126,7 @@ def _comparable(
 def lives_under(
     forces: np.ndarray, capacity: float, fatigue: TruncatedFatigue | None = None
 ) -> np.ndarray:
-    """Basic rating life under constant loads, in turns of the screw.
+    """Basic rating life under constant loads, in turns of the body that turns.
 
     **Arguments:**
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...text import trimmed
-from .._parts import aside, legend_below, page_title
+from .._parts import aside, component_words, legend_below, page_title
 from .._style import INK, MUTED, Figure, drawn, page_figure, readable, series_style
 
 
@@ -55,7 +55,7 @@ def sensitivity_bars(
     high = max(0.0, float(finite.max()) if finite.size else 0.0)
     room = 0.12 * (max(high - low, reach))
     axes.set_xlim(low - room, high + room)
-    axes.set_yticks(range(len(quantities)), [readable(name) for name in quantities])
+    axes.set_yticks(range(len(quantities)), [component_words(name) for name in quantities])
     axes.set_ylim(len(quantities) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)
     axes.grid(axis="x")

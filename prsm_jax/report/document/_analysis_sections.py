@@ -178,27 +178,29 @@ def steady_section(data: ReportData) -> Section | None:
     """Efficiency, torque, forces and losses."""
     if data.steady is None or data.forward is None or data.backward is None:
         return None
-    state = data.steady
+    state, turning = data.steady, data.mechanism.stages[0].thread.family.turning
     paragraphs = []
     if not bool(state.valid):
         paragraphs.append(f"Do not use these numbers: {state.result}.")
     backward = efficiency_text(data.backward)
     if backward.endswith("%"):
-        paragraphs.append("The load can drive the screw back.")
+        paragraphs.append(f"The load can drive the {turning} back.")
     elif backward == "self-locking":
-        paragraphs.append("The mechanism is self-locking: the load alone does not turn the screw.")
+        paragraphs.append(
+            f"The mechanism is self-locking: the load alone does not turn the {turning}."
+        )
     rows = [
-        ("efficiency, screw drives", efficiency_text(data.forward)),
+        (f"efficiency, {turning} drives", efficiency_text(data.forward)),
         ("efficiency, load drives", backward),
         ("drive torque", show(float(state.drive_torque), "N·m")),
         ("input power", show(float(state.input_power), "W")),
         ("output power", show(float(state.output_power), "W")),
     ]
-    for index in range(len(data.mechanism.stages)):
+    for index, stage in enumerate(data.mechanism.stages):
         words = data.of_stage(index)[1]
         rows += [
             (
-                f"carrier speed over screw speed{words}",
+                f"carrier speed over {stage.thread.family.turning} speed{words}",
                 number(float(state.carrier_ratio[index]), 5),
             ),
             (
@@ -219,7 +221,7 @@ def steady_section(data: ReportData) -> Section | None:
     if data.improved is not None and data.improved.steady is not None:
         chart = _designs(data, "steady")
     else:
-        chart = {"screw drives": data.forward, "load drives": data.backward}
+        chart = {f"{turning} drives": data.forward, "load drives": data.backward}
     pictures = [
         Picture(
             "losses",
@@ -233,7 +235,7 @@ def steady_section(data: ReportData) -> Section | None:
         pictures.append(
             Picture(
                 "power_flow",
-                "Power flow from the motor to the load when the screw drives.",
+                f"Power flow from the motor to the load when the {turning} drives.",
                 lambda: power_flow_chart(steady_flow(forward)),
             )
         )

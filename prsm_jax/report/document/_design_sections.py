@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...text import display_unit, in_unit, number, show, state_without_efficiency
+from .._parts import component_words
 from .._style import readable
 from ..design_charts import (
     Change,
@@ -50,13 +51,13 @@ def sensitivity_section(data: ReportData) -> Section | None:
     for i, (name, unit) in enumerate(zip(table.quantities, table.quantity_units, strict=True)):
         value = float(table.values[i])
         shown = display_unit(unit, value, name)
-        label = readable(name) + (f" in {shown.label}" if shown.label else "")
+        label = component_words(name) + (f" in {shown.label}" if shown.label else "")
         state = state_without_efficiency(name, value)
         if state:
             # Without an efficiency, its derivatives are not defined.
             undefined = ("not defined",) * len(steps)
             rows.append((label, state, *undefined))
-            relative.append((readable(name), *undefined))
+            relative.append((component_words(name), *undefined))
             continue
         cells, signed = [], []
         for j, (parameter, step) in enumerate(zip(table.parameters, steps, strict=True)):
@@ -70,7 +71,7 @@ def sensitivity_section(data: ReportData) -> Section | None:
                 cells.append(number(shown(gradient[i, j]) / step.per_si, 3))
                 signed.append(_signed(elasticity[i, j]))
         rows.append((label, number(shown(value)), *cells))
-        relative.append((readable(name), *signed))
+        relative.append((component_words(name), *signed))
     tables = (
         Table("Change of each quantity, one parameter moved alone", head, tuple(rows)),
         Table(

@@ -17,7 +17,7 @@ _LABELS = {
     "rating_life": "rating life, with its factors",
     "rating_life_time": "rating life L10h",
     "buckling": "safety against buckling",
-    "screw_speed": "screw speed (critical speed)",
+    "screw_speed": "speed of the body that turns",
     "contact_truncation": "share of the ellipse past the {}",
     "false_brinelling": "amplitude of oscillation",
     "jamming": "friction coefficient (jamming)",
@@ -77,12 +77,12 @@ def checks_table(caption: str, checks: Sequence[StrengthCheck], stages: int) -> 
 def _in_a_sentence(data: ReportData, name: str) -> str:
     counts = collections.Counter(one.verdict for one in data.checks or ())
     counted = [
-        f"{counts[verdict]} {words}"
-        for verdict, words in (
-            ("pass", "keep their limit"),
-            ("warning", "are beyond a limit of severity warning"),
-            ("fail", "fail"),
-            ("no limit", "have no limit"),
+        f"{counts[verdict]} {one if counts[verdict] == 1 else several}"
+        for verdict, one, several in (
+            ("pass", "keeps its limit", "keep their limit"),
+            ("warning", *(f"{verb} beyond a limit of severity warning" for verb in ("is", "are"))),
+            ("fail", "fails", "fail"),
+            ("no limit", "has no limit", "have no limit"),
         )
         if counts[verdict]
     ]
@@ -91,7 +91,10 @@ def _in_a_sentence(data: ReportData, name: str) -> str:
     start = f"Status of the {name}: " if name else "Status: "
     words = f"{start}{data.status}."
     if counted:
-        words += f" Of {sum(counts.values())} checks {', '.join(counted)}."
+        total = sum(counts.values())
+        words += f" Of {total} check{'s' * (total > 1)} {', '.join(counted)}."
+    if data.checks is not None and counts["no limit"] == counts.total():
+        words += " No check has a limit."
     if data.findings is None or data.checks is None:
         return words + " Not everything could be checked."
     return words + f" The findings have {' and '.join(listed) or 'no error and no warning'}."

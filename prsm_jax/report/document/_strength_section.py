@@ -114,8 +114,8 @@ def _strength_pictures(data: ReportData) -> tuple[Picture, ...]:
             pictures.append(
                 Picture(
                     f"shaft_limits{suffix}",
-                    f"Limits of the screw over its unsupported length{words}; the points are the "
-                    "largest load and speed of operating point and duty cycle.",
+                    f"Limits of the screw over its length{words}; points are the largest values of "
+                    "operating point and duty cycle.",
                     lambda s=stage: shaft_limits_chart(s, *_demand(mechanism)),
                     lambda s=stage: shaft_limit_curves(s),
                 )

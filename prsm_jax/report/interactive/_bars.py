@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from ...text import display_unit
 from ...vibration import Modes
+from .._parts import component_words
 from .._style import readable
 from ..vibration_charts import elastic_modes
 from ._chart import Axis, Chart, Curve
@@ -36,7 +37,7 @@ def elasticity_bars(
         for column, name in enumerate(parameters)
     )
     axis = Axis("elasticity", "% per %")
-    return Chart(Axis("quantity", words=tuple(map(readable, quantities))), (axis,), curves)
+    return Chart(Axis("quantity", words=tuple(map(component_words, quantities))), (axis,), curves)
 
 
 def objective_curve(history: Sequence[float | int], objective: str, unit: str) -> Chart:

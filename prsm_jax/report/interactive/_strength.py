@@ -70,14 +70,22 @@ def life_curve(
 
 
 def shaft_limit_curves(stage: Stage) -> Chart:
-    """Buckling load and permissible speed over the length of the screw, by end conditions."""
+    """Buckling load over the length of the screw by end conditions, and the permissible speed.
+
+    The speed is left out where it does not depend on the length.
+    """
     lengths, limits = shaft_limits(stage)
     x, length = axis_of("length of the screw", lengths, "m", log=True)
     loads, force = axis_of("buckling load", [load for load, _ in limits.values()], "N", log=True)
-    speeds, rpm = axis_of("permissible speed", [v for _, v in limits.values()], "rad/s", log=True)
+    known = [speed for _, speed in limits.values() if speed is not None]
+    panels, rpm = (loads,), None
+    if known:
+        speeds, rpm = axis_of("permissible speed", known, "rad/s", log=True)
+        panels = loads, speeds
     curves: list[Curve] = []
     for ends, (load, speed) in limits.items():
         name = readable(ends).replace(" ", "–")
         curves.append(Curve(name, length(lengths), force(load)))
-        curves.append(Curve(name, length(lengths), rpm(speed), 1))
-    return Chart(x, (loads, speeds), tuple(curves))
+        if speed is not None and rpm is not None:
+            curves.append(Curve(name, length(lengths), rpm(speed), 1))
+    return Chart(x, panels, tuple(curves))

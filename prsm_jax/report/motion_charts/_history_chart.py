@@ -106,8 +106,9 @@ def _efficiency(mechanism: Mechanism, run: Transient) -> History:
 
 def histories(mechanism: Mechanism, run: Transient) -> list[History]:
     """All histories of a transient; the first four are those of motion and demand."""
+    turning = mechanism.stages[0].thread.family.turning
     return [
-        _one("screw speed", run.screw_speed, "rad/s", 0),
+        _one(f"{turning} speed", run.screw_speed, "rad/s", 0),
         _one("drive torque", run.drive_torque, "N·m", 3),
         _one("travel of the last nut", travel_of(mechanism, run), "m", 0),
         _one("load", run.load, "N", 3),

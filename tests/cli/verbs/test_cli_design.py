@@ -190,6 +190,9 @@ def test_demo(prsm, tmp_path):
         "losses",
     }
     results = json.loads((folder / "results.json").read_text())
+    differentiated = results["sensitivity"]["quantities"]
+    assert {"dynamic_capacity[1]", "rating_life_time[1]", "buckling_safety"} <= set(differentiated)
+    assert "rating life time, stage 1" in (folder / "report.md").read_text()
     assert tomllib.loads((folder / "optimised.toml").read_text())["stage"]
     assert prsm("check", folder / "optimised.toml")[0] == 0
     improved = file.load(folder / "optimised.toml")

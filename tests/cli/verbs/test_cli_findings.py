@@ -65,7 +65,7 @@ def test_findings_stand_beneath_the_table(prsm):
                 "screw_tooth_thinning=0.3 mm",
             ],
             "self_locking",
-            "the load does not turn the screw",
+            "the load alone causes no motion",
             0,
         ),
     ],

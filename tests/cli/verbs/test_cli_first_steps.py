@@ -255,6 +255,24 @@ def test_answers_are_read_with_their_units(asked, monkeypatch, capsys):
     assert "not a number with a unit" in words
 
 
+def test_a_travel_is_given_before_the_speed_is_asked_for(asked, monkeypatch, capsys):
+    monkeypatch.setattr(_questions.sys, "stdin", _Terminal("0.2 m/s"))
+    assert main(["new", *_words(speed=None, life="500 km")]) == 1
+    (found,) = asked
+    assert (found["speed"], found["life"]) == pytest.approx((0.2, 500e3 / 0.2), rel=1e-12)
+    assert "wrong unit" not in capsys.readouterr().err
+
+
+def test_a_travel_without_a_speed_names_the_speed(asked, capsys):
+    assert main(["new", *_words(speed=None, life="500 km")]) == 2
+    words = capsys.readouterr().err
+    assert "give --speed '100 mm/s'; or" in " ".join(words.split())
+    # A life that is neither time nor travel is refused before a question.
+    assert main(["new", *_words(speed=None, life="5 kN")]) == 2
+    assert "--life 5 kN: wrong unit" in capsys.readouterr().err
+    assert not asked
+
+
 def test_new_without_a_terminal_names_the_options(asked, capsys):
     assert main(["new", *_words(life=None, envelope=None)]) == 2
     words = capsys.readouterr().err

@@ -1,7 +1,10 @@
 """The verbs doctor and new: what they print, write and give as JSON, turned back to SI."""
 
+import functools
 import itertools
 import json
+import math
+import re
 import tomllib
 
 import pytest
@@ -12,8 +15,11 @@ import prsm_jax
 from prsm_jax.catalogue_sizes import catalogue_rows
 from prsm_jax.cli import main
 from prsm_jax.cli.verbs.first_steps import _doctor, _new
+from prsm_jax.cli.verbs.first_steps._file_text import file_text
 from prsm_jax.dimensioning import Dimensioning, Requirements
 from prsm_jax.dimensioning._dimension import _mechanism
+from prsm_jax.friction import CoulombFriction
+from tests.present import present
 
 _OPTIONS = ("--load", "11 kN", "--stroke", "310 mm", "--speed", "120 mm/s", "--life", "4000 h")
 _OPTIONS += ("--envelope", "81 mm")
@@ -27,6 +33,7 @@ _MARGINS = {
     "dn_value": 1.43,
 }
 _ROW = catalogue_rows()[22]
+_COARSE = next(row for row in catalogue_rows() if row["lead_mm"] / row["starts"] >= 3.5)
 
 
 @pytest.fixture
@@ -119,6 +126,60 @@ def test_a_new_file_is_the_mechanism_to_six_digits(at):
         value = one.get(made)
         if value is not None:
             assert float(one.get(read)) == pytest.approx(float(value), rel=5e-6), one.path
+
+
+def _commented(text: str) -> dict[str, str]:
+    """Comment of each number, by table and key."""
+    found: dict[str, str] = {}
+    table, above = "", ""
+    for line in text.splitlines():
+        if line.startswith("#"):
+            above = f"{above} {line[1:].strip()}".strip()
+            continue
+        if line.startswith("["):
+            table = line.strip("[]") + "."
+        elif " = " in line:
+            key, _, rest = line.partition(" = ")
+            found[table + key] = rest.partition("#")[2].strip() or above
+        above = ""
+    return found
+
+
+def _numbers(comment: str) -> list[float]:
+    return [float(number) for number in re.findall(r"\d+\.?\d*(?:e-?\d+)?", comment)]
+
+
+# A fine pitch, one of 2 mm, and the first of 3.5 mm or more.
+@pytest.mark.parametrize("row", [_ROW, catalogue_rows()[0], _COARSE], ids=["2", "0.25", "coarse"])
+def test_comments_of_a_new_file_say_the_rules_of_its_numbers(row):
+    """Each value again from the numbers in its comment; 1e-4: values have six digits."""
+    asked = Requirements(**_ASKED)
+    made = _mechanism(row, asked)
+    said = _commented(file_text(Dimensioning(asked, row, made, _MARGINS, {}, 90)))
+    stage = made.stages[0]
+    starts, pitch, nut = row["starts"], row["lead_mm"] / row["starts"], row["nut_length_mm"]
+    close = functools.partial(pytest.approx, rel=1e-4)
+
+    less, share = _numbers(said["stage.engaged_threads"])
+    assert stage.engaged_threads * pitch == close(max(nut - less, share * nut))
+    less, share = _numbers(said["stage.roller.length"])
+    assert present(stage.roller.length) * 1e3 == close(max(nut - less, share * nut))
+    (pitches,) = _numbers(said["stage.thread.roller_profile_radius"])
+    assert present(stage.thread.roller_profile_radius) * 1e3 == close(pitches * pitch)
+    circle = row["nominal_diameter_mm"] / 2 * (1 + 1 / (starts - 2))
+    angle = math.asin((circle - row["nominal_diameter_mm"] / 2) / circle)
+    (spare,) = _numbers(said["stage.roller_count"])
+    assert stage.roller_count == math.floor(math.pi / angle + 1e-9) - spare
+    factor, one = _numbers(said["stage.friction.thread.coefficient"])
+    law = present(stage.friction).thread
+    assert isinstance(law, CoulombFriction)
+    assert law.coefficient == close(factor * (starts - one))
+    strength = present(stage.strength)
+    assert (strength.fatigue_rule, "equivalent balls" in said["stage.strength.fatigue_rule"]) == (
+        "equivalent_balls",
+        True,
+    )
+    assert said["stage.thread.contact_angle"] == "45 deg, the usual value"
 
 
 def test_new_as_json(at, capsys):

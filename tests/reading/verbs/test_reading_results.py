@@ -392,7 +392,7 @@ def test_responses_and_orders_print_their_own_words():
     spectrum = LoadSpectrum(
         *(jnp.asarray([a, b]) for a, b in ((4e3, -7e3), (62.8, 31.4), (9.0, 4.0)))
     )
-    turns = _printed(spectrum)["turns of the screw"].split(", ")
+    turns = _printed(spectrum)["revolutions"].split(", ")
     assert [float(one) for one in turns] == pytest.approx(
         [62.8 / 6.283185, 31.4 / 6.283185], rel=1e-3
     )

@@ -204,7 +204,10 @@ def _table():
 @reads("verb", "sensitivity")
 def test_sensitivity(run, monkeypatch):
     table = _table()
-    monkeypatch.setattr("prsm_jax.sensitivities.sensitivity", lambda *_, **__: table)
+    asked = {}
+    monkeypatch.setattr(
+        "prsm_jax.sensitivities.sensitivity", lambda *_, **more: asked.update(more) or table
+    )
     found, printed = run("sensitivity", "wu2022")
     found = without_words(found)
     expected = {
@@ -491,7 +494,10 @@ def test_the_terminal_tells_the_state_of_a_locked_thread(run, monkeypatch):
     (cells,) = (cells for cells in printed.lines if cells[0].startswith("maximise efficiency"))
     assert cells[1:3] == ["locked", "87.91"]
     table = dataclasses.replace(_table(), values=jnp.asarray([-0.34, 2.13e9, 0.0]))
-    monkeypatch.setattr("prsm_jax.sensitivities.sensitivity", lambda *_, **__: table)
+    asked = {}
+    monkeypatch.setattr(
+        "prsm_jax.sensitivities.sensitivity", lambda *_, **more: asked.update(more) or table
+    )
     _, printed = run("sensitivity", "wu2022")
     assert printed.row("efficiency [%]") == ["locked", "–", "–"]
     assert printed.row("efficiency") == ["–", "–"]
@@ -653,12 +659,16 @@ def test_demo(monkeypatch, tmp_path, capsys, feasible):
     monkeypatch.setattr(_contact, "side_onsets", lambda *_: None)
     monkeypatch.setattr(_demo, "_contact_results", _contact.contact_results)
     monkeypatch.setattr("prsm_jax.optimisation.optimise", lambda *_, **__: best)
-    monkeypatch.setattr("prsm_jax.sensitivities.sensitivity", lambda *_, **__: table)
+    asked = {}
+    monkeypatch.setattr(
+        "prsm_jax.sensitivities.sensitivity", lambda *_, **more: asked.update(more) or table
+    )
     monkeypatch.setattr(report, "analyse", analyse)
     monkeypatch.setattr(report, "write_report", write)
     monkeypatch.setenv("COLUMNS", "300")
     monkeypatch.chdir(tmp_path)
     assert cli.main(["demo", "--out", str(tmp_path / "new")]) == int(not feasible)
+    assert set(asked["quantities"]) > {"dynamic_capacity", "rating_life_time", "buckling_safety"}
     assert ("optimised.toml" in written["files"]) == feasible
     found = without_words(json.loads(written["files"]["results.json"]))
     assert found.pop("status") == {"start": "pass", "optimum": "pass"}

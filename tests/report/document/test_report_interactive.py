@@ -139,8 +139,8 @@ def test_deflection_life_and_shaft(actuator):
 
 
 def test_elasticities_and_the_objective():
-    page = _Read(elasticity_bars(("a_b", "c"), ("lead",), [[0.5], [np.nan]]))
-    assert page.words() == ["a b", "c"]
+    page = _Read(elasticity_bars(("a_b", "rating_life[2]"), ("lead",), [[0.5], [np.nan]]))
+    assert page.words() == ["a b", "rating life, stage 2"]
     assert page.figure["data"][0]["y"] == [0.5, None]
     page = _Read(objective_curve((0.8512, 0.8791), "efficiency", "1"))
     _same(page.curve("efficiency")[1], [0.8512, 0.8791])

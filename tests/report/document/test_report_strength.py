@@ -11,7 +11,8 @@ import prsm_jax as prsm
 from prsm_jax import strength
 from prsm_jax.mechanism import AxialPlay, DutyCycle
 from prsm_jax.report import ReportData, life_chart, shaft_limits_chart
-from prsm_jax.report.document._strength_section import strength_section
+from prsm_jax.report.document._strength_section import _strength_pictures, strength_section
+from prsm_jax.report.interactive import shaft_limit_curves
 from prsm_jax.strength import (
     LoadSpectrum,
     buckling_load,
@@ -109,6 +110,25 @@ def test_limits_of_the_shaft_pass_through_the_laws(actuator):
     np.testing.assert_allclose(rpm[90], expected)
     assert "largest load" in " ".join(t.get_text() for t in buckling.texts)
     assert not shaft_limits_chart(stage).axes[0].texts
+
+
+def test_a_screw_that_does_not_turn_has_no_speed_in_its_picture():
+    """The report draws it from the demand, with a point for the load alone."""
+    leg = prsm.load("humanoid_leg")
+    (stage,) = leg.stages
+    (drawn,) = _strength_pictures(ReportData(leg, "a title"))
+    assert drawn.name == "shaft_limits"
+    picture = drawn.draw()
+    assert_printable(picture)
+    (buckling,) = picture.axes
+    assert "speed" not in " ".join([*axis_labels(picture), buckling.get_title()])
+    chosen = next(line for line in buckling.lines if "as given" in str(line.get_label()))
+    length, load = chosen.get_data()
+    expected = buckling_load(stage, jnp.asarray(length[40] * 1e-3))
+    np.testing.assert_allclose(load[40], expected / 1e3)
+    # Heel strike, 6 kN.
+    assert [t.get_text() for t in buckling.texts] == ["largest load\n6.000\u202fkN"]
+    assert len(shaft_limit_curves(stage).panels) == 1
 
 
 def test_the_life_in_a_report_is_drawn_with_the_preload(actuator):

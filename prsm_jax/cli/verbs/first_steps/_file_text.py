@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from ....catalogue_sizes import FITTED
 from ....dimensioning import Dimensioning, nut_outer_diameter
 from ....file import commented, rounded
 from ....text import Line
@@ -11,23 +12,27 @@ _FIXED = {
     "operating_point.load": "as required",
     "stage.sharing": "all threads are assumed to carry equal loads",
     "stage.thread.starts": "of screw and nut, as in the catalogue",
-    "stage.thread.contact_angle": "as usual",
+    "stage.thread.contact_angle": "45 deg, the usual value",
     "stage.thread.screw_addendum": "crest of the screw as in the catalogue, or 0.15 pitches",
-    "stage.thread.roller_addendum": "leaves 0.05 pitches to the root of the screw",
-    "stage.engaged_threads": "threads on 0.6 of the length of the nut",
-    "stage.roller_count": "as many as fit with a gap between their crests",
-    "stage.roller.length": "0.85 of the nut; gears and journals take the rest",
+    "stage.thread.roller_addendum": (
+        "leaves 0.05 pitches to the root of the screw, lower if rollers would touch"
+    ),
     "stage.screw.length": "between the bearings, and three diameters of journals",
     "stage.gear": "a standard module with at least 16 teeth of the roller",
     "stage.material": "hardened bearing steel",
     "stage.friction.thread": "grease, boundary lubrication: an assumption; measure it",
-    "stage.friction.thread.coefficient": "of the threads",
     "stage.strength": "no standard exists for roller screws: practice of bearings and ball screws",
-    "stage.strength.permissible_pressure": "ball bearings in ISO 76: a dent of 1e-4 of the ball",
-    "stage.strength.material_factor": "the capacity is estimated; ISO 281 gives its steels 1.3",
+    "stage.strength.permissible_pressure": (
+        "ISO 76 for ball bearings: permanent deformation of 1e-4 of the ball's diameter"
+    ),
     "stage.strength.shaft.root_radius": "as in the catalogue, or 0.25 pitches below the thread",
     "stage.strength.shaft.end_conditions": "fixed at the motor, supported at the other end",
     "stage.strength.shaft.permissible_speed_share": "as catalogues of ball screws allow",
+}
+#: Estimates of the dynamic capacity.
+_FATIGUE_RULES = {
+    "equivalent_balls": "capacity by the formula of ball screws with equivalent balls",
+    "lundberg_palmgren": "capacity by Lundberg and Palmgren's theory for the contact ellipses",
 }
 
 
@@ -55,7 +60,49 @@ def file_text(found: Dimensioning) -> str:
         "that the catalogue does not give follow from rules; the comments say what was chosen and "
         "why. Check what you know better: friction, material, supports, lengths.",
     ]
-    return commented(rounded(found.mechanism), _FIXED | _chosen(found, asked), head)
+    pitch = float(found.mechanism.stages[0].thread.pitch)
+    reasons = _FIXED | _rule_words(pitch) | _chosen(found, asked)
+    return commented(rounded(found.mechanism), reasons, head)
+
+
+def _rule_words(pitch: float) -> dict[str, str]:
+    """Reasons of the numbers that follow from the rules of the catalogue's sizes, by path.
+
+    **Arguments:**
+
+    - `pitch`: of the thread [m].
+    """
+    radius = FITTED.profile_radius(pitch)
+    assert radius is not None
+    thread = _part_of_nut(FITTED.thread_ends, FITTED.least_thread)
+    roller = _part_of_nut(FITTED.roller_ends, FITTED.least_roller)
+    return {
+        "stage.roller_count": (
+            f"pitch circles that fit side by side, less {FITTED.spare_rollers}; fewer where crests "
+            "would touch"
+        ),
+        "stage.engaged_threads": f"loaded thread of a roller over the pitch; it has {thread}",
+        "stage.roller.length": f"{roller}; gears and journals are beside the thread",
+        "stage.thread.roller_profile_radius": (
+            f"{radius / pitch:.3g} pitches, fitted to capacities of the catalogue"
+        ),
+        "stage.friction.thread.coefficient": (
+            f"{FITTED.friction_by_starts:g} times (starts less 1), fitted to efficiencies of the "
+            "catalogue"
+        ),
+        "stage.strength.play.axial_backlash": (
+            "the catalogue's largest play of unpreloaded nuts of this pitch"
+        ),
+        "stage.strength.fatigue_rule": _FATIGUE_RULES[FITTED.fatigue_rule],
+        "stage.strength.material_factor": (
+            "one value for all sizes, fitted to their dynamic capacities"
+        ),
+    }
+
+
+def _part_of_nut(ends: float, least: float) -> str:
+    """A length that is the nut's less both ends, and at least a share of it."""
+    return f"the nut's length less {1e3 * ends:g} mm, at least {least:g} of it"
 
 
 def _chosen(found: Dimensioning, asked: Mapping[str, str]) -> dict[str, str]:

@@ -45,18 +45,30 @@ def answers(given: dict[str, str | None]) -> dict[str, float]:
     # First those that are given: a mistake in them ends the verb before a question.
     for question in QUESTIONS:
         text = given[question.name]
-        if text is not None:
+        if text is not None and not _needs_speed(question, text, given["speed"]):
             try:
                 found[question.name] = _read(question, text, given["speed"])
             except ValueError as error:
                 raise PrsmError(f"--{question.name} {text}: {error}") from error
-    missing = [one for one in QUESTIONS if one.name not in found]
+    missing = [one for one in QUESTIONS if given[one.name] is None]
     if missing and not sys.stdin.isatty():
         options = ", ".join(f"--{one.name} '{one.example}'" for one in missing)
         raise PrsmError(f"new: give {options}; or run it in a terminal, where it asks for them")
     for question in missing:
         found[question.name] = _asked(question, given)
+    if "life" not in found:
+        assert given["life"] is not None
+        found["life"] = read_quantity(given["life"], "m") / found["speed"]
     return found
+
+
+def _needs_speed(question: Question, text: str, speed: str | None) -> bool:
+    """Whether a life is a travel whose speed is asked for afterwards."""
+    if question.name != "life" or speed is not None:
+        return False
+    with contextlib.suppress(ValueError):
+        return 0 < read_quantity(text, "m") < math.inf
+    return False
 
 
 def _asked(question: Question, given: dict[str, str | None]) -> float:
