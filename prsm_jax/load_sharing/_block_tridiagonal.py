@@ -229,6 +229,41 @@ def _radial_shift_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: Stat
     return columns, diagonal
 
 
+def _nut_displacement_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: State):
+    """Columns of the Jacobian for the displacements of a free nut, and their own rows and columns.
+
+    **Returns:** four columns; the stiffness between the displacements [4, 4]; and that between
+    them and the radial shift of each class [classes, 4], `None` without such shifts.
+    """
+    free_nut, nut = chains.free_nut, teeth[1]
+    assert free_nut is not None
+    weight = chains.weight[:, None]
+    slope = weight * nut.slope
+    axial, radial = free_nut.axial, free_nut.radial
+    # Forces on flanks per displacement: those along the axis, and those that press outward.
+    along, outward = slope * axial, None
+    if radial is not None:
+        assert nut.slope_difference is not None
+        difference = weight * nut.slope_difference
+        along = along + difference * radial
+        outward = difference * axial + (slope - weight * chains.regularisation) * radial
+    columns = [
+        State(
+            one,
+            -jnp.sum(one, axis=0),
+            jnp.zeros_like(like.roller_force),
+            jnp.zeros_like(like.nut_force),
+        )
+        for one in along
+    ]
+    own = jnp.tensordot(axial, along, axes=((1, 2), (1, 2)))
+    own = own + chains.free_nut_regularisation * jnp.eye(4, dtype=own.dtype)
+    if radial is None or outward is None:
+        return columns, own, None
+    own = own + jnp.tensordot(radial, outward, axes=((1, 2), (1, 2)))
+    return columns, own, -jnp.sum(outward, axis=2).T
+
+
 def solve_linear(
     chains: Chains, teeth: tuple[Teeth, Teeth], control: Control, right: State
 ) -> State:
@@ -247,6 +282,12 @@ def solve_linear(
     if right.radial_shift is not None:
         columns, diagonal = _radial_shift_columns(chains, teeth, right)
         targets = [right.radial_shift[i] for i in range(right.radial_shift.shape[0])]
+    between = None
+    if right.nut_displacement is not None:
+        more, own, across = _nut_displacement_columns(chains, teeth, right)
+        between = _corner(own, across, len(diagonal), control)
+        columns, diagonal = [*columns, *more], [*diagonal, *(jnp.zeros_like(own[0]))]
+        targets = [*targets, *right.nut_displacement]
     if control != "load":
         column = control_column(chains, right, control)
         columns, diagonal = [*columns, column], [*diagonal, column.control]
@@ -255,16 +296,26 @@ def solve_linear(
     if not columns:
         return plain
     # Unknowns that couple to all threads: a small dense system after the elimination.
-    if len(columns) > _LARGEST:
-        coupled = _bordered(columns, diagonal, targets, plain, responses)
-        return _with_coupled_unknowns(plain, responses, coupled, control)
+    if len(columns) > _LARGEST or between is not None:
+        coupled = _bordered(columns, diagonal, targets, plain, responses, between)
+        return _with_coupled_unknowns(plain, responses, coupled, right)
     matrix = [[-_inner_product(one, other) for other in responses] for one in columns]
     for index, value in enumerate(diagonal):
         matrix[index][index] = matrix[index][index] + value
     vector = [
         value - _inner_product(one, plain) for value, one in zip(targets, columns, strict=True)
     ]
-    return _with_coupled_unknowns(plain, responses, _Numbers.solve(matrix, vector), control)
+    return _with_coupled_unknowns(plain, responses, _Numbers.solve(matrix, vector), right)
+
+
+def _corner(own: Array, across: Array | None, shifts: int, control: Control) -> Array:
+    """Stiffnesses of a free nut in the square matrix of all coupled unknowns."""
+    count = shifts + 4 + (control != "load")
+    corner = jnp.zeros((count, count), own.dtype).at[shifts : shifts + 4, shifts : shifts + 4].set(own)
+    if across is None:
+        return corner
+    corner = corner.at[:shifts, shifts : shifts + 4].set(across)
+    return corner.at[shifts : shifts + 4, :shifts].set(across.T)
 
 
 def _bordered(
@@ -273,6 +324,7 @@ def _bordered(
     targets: list[Any],
     plain: State,
     responses: list[State],
+    between: Array | None,
 ) -> list[Any]:
     """The dense system of many columns by products of matrices.
 
@@ -281,6 +333,8 @@ def _bordered(
     border = jnp.stack([_flat(one) for one in columns])
     solutions = jnp.stack([_flat(one) for one in responses])
     square = jnp.diag(jnp.stack(diagonal)) - border @ solutions.T
+    if between is not None:
+        square = square + between
     vector = jnp.stack(targets) - border @ _flat(plain)
     return list(gauss_jordan(square, vector[:, None])[:, 0])
 
@@ -290,20 +344,22 @@ def _flat(state: State) -> Float[Array, " unknowns"]:
 
 
 def _with_coupled_unknowns(
-    plain: State, responses: list[State], coupled: list[Any], control: Control
+    plain: State, responses: list[State], coupled: list[Any], right: State
 ) -> State:
     """The response with the coupled unknowns, after they are solved for."""
     total = thread_unknowns(plain)
     for share, response in zip(coupled, responses, strict=True):
         total = jax.tree.map(lambda a, b, c=share: a - c * b, total, thread_unknowns(response))
-    shifts = len(coupled) - (control != "load")
+    shifts = 0 if right.radial_shift is None else right.radial_shift.shape[0]
+    moved = None if right.nut_displacement is None else jnp.stack(coupled[shifts : shifts + 4])
     return State(
         total.screw_approach,
         total.approach,
         total.roller_force,
         total.nut_force,
         jnp.stack(coupled[:shifts]) if shifts else None,
-        None if control == "load" else coupled[-1],
+        None if right.control is None else coupled[-1],
+        moved,
     )
 
 

@@ -11,6 +11,8 @@ Flanks are inclined, so a roller that moves outward by $\rho$ leaves the screw's
 sides by $\rho\tan\alpha$ and approaches the nut's by the same amount. Where both flanks of a
 thread are modelled, this `radial_shift` of each class is an unknown too: it transmits the preload
 of a split nut to the screw. With one flank it changes nothing, because a roller is free axially.
+
+A nut that is free to move sideways and to lean adds its `nut_displacement` (see `part_errors`).
 """
 
 from collections.abc import Callable
@@ -24,6 +26,11 @@ from jaxtyping import Array, Float
 from ..fields import Scalar
 from ..programs import physics
 from ._flank_law import flank_energy, flank_force, flank_force_and_slope
+from .part_errors import FreeNutCoupling
+
+#: Stiffness of the springs that hold a free nut sideways over `Chains.radial_regularisation`:
+#: rollers hold it far better, but for one or two of them.
+_FREE_NUT_REGULARISATION = 1e-3
 
 #: The prescribed quantity: axial load, deflection, or preload by a spacer whose offset is unknown
 #: (the load again where the offset is known, see `Chains.offset_unknown`).
@@ -44,8 +51,8 @@ class Teeth(NamedTuple):
 #: Force and slope of one kind of flanks; forces on forward and reverse flanks of one side.
 Law: TypeAlias = tuple[Array, Array]
 Loads: TypeAlias = tuple[Array, Array | None]
-#: Gap that the radial shift of each class of rollers has opened on one side [m]; 0 without shift.
-Opening: TypeAlias = Float[Array, "classes 1"] | float
+#: Gap that radial shifts have opened on one side [m]; 0 without them.
+Opening: TypeAlias = Float[Array, "classes #threads"] | float
 
 
 class FlankApproach(NamedTuple):
@@ -181,6 +188,13 @@ class Chains(eqx.Module):
     split: int | None = eqx.field(static=True, default=None)
     #: Whether the nut's force is taken at the end where the screw's enters.
     same_end: bool = eqx.field(static=True, default=True)
+    #: How a free nut moves sideways and leans; `None` for a nut that is held.
+    free_nut: FreeNutCoupling | None = None
+
+    @property
+    def free_nut_regularisation(self) -> Scalar:
+        """Stiffness of the springs that hold a free nut sideways [N/m]."""
+        return _FREE_NUT_REGULARISATION * self.radial_regularisation
 
 
 class State(eqx.Module):
@@ -198,10 +212,12 @@ class State(eqx.Module):
     radial_shift: Float[Array, " classes"] | None = None
     #: The load [N] or the spacer's offset [m] where it is not prescribed.
     control: Scalar | None = None
+    #: Displacements of a free nut sideways, and its leans times its radius [m].
+    nut_displacement: Float[Array, " 4"] | None = None
 
     @property
     def nut_approach(self) -> Float[Array, "classes threads"]:
-        """Approach of roller and nut teeth D − d [m]."""
+        """Approach of roller and nut teeth D − d [m], of a nut that is held."""
         return self.approach[None, :] - self.screw_approach
 
 
@@ -231,13 +247,36 @@ def deflection_of(chains: Chains, state: State, load: Scalar, offset: Scalar) ->
     return travel
 
 
+def nut_flanks(
+    chains: Chains, state: State, opening: Opening
+) -> tuple[Float[Array, "classes threads"], Opening]:
+    """Approach of roller and nut teeth, and the gap that has opened there [m].
+
+    **Arguments:**
+
+    - `chains`, `state`: the chains and their unknowns.
+    - `opening`: gap on the screw side that the radial shift of each roller has opened [m]; on the
+      nut side it closes.
+    """
+    if chains.free_nut is None:
+        return state.nut_approach, -opening
+    assert state.nut_displacement is not None
+    approach = state.nut_approach - chains.free_nut.shift(state.nut_displacement)
+    return approach, chains.free_nut.opening(state.nut_displacement) - opening
+
+
+def nut_approach(chains: Chains, state: State) -> Float[Array, "classes threads"]:
+    """Approach of roller and nut teeth, of a free nut too [m]."""
+    return nut_flanks(chains, state, 0.0)[0]
+
+
 def _evaluated(
     law: Callable[..., Any], chains: Chains, state: State
 ) -> tuple[list[Any], list[Any]]:
     """A law of all flanks: on the screw side, then on the nut side."""
     opening = _gap_opening(state.radial_shift)
     screw = chains.screw.approaches(state.screw_approach, opening)
-    nut = chains.nut.approaches(state.nut_approach, -opening)
+    nut = chains.nut.approaches(*nut_flanks(chains, state, opening))
     values = _evaluate_alike(law, [*screw, *nut])
     return values[: len(screw)], values[len(screw) :]
 
@@ -247,7 +286,7 @@ def forces_and_slopes(chains: Chains, state: State) -> tuple[Teeth, Teeth]:
     screw, nut = _evaluated(flank_force_and_slope, chains, state)
     return (
         chains.screw.teeth(state.screw_approach, chains.regularisation, screw),
-        chains.nut.teeth(state.nut_approach, chains.regularisation, nut),
+        chains.nut.teeth(nut_approach(chains, state), chains.regularisation, nut),
     )
 
 
@@ -290,6 +329,10 @@ def balance(
             jnp.sum(nut.force_sum - screw.force_sum, axis=1)
             + chains.radial_regularisation * state.radial_shift
         )
+    nut_displacement = None
+    if chains.free_nut is not None:
+        assert state.nut_displacement is not None
+        nut_displacement = _unbalanced_on_nut(chains, chains.free_nut, state.nut_displacement, nut)
     control_residual = None
     if control == "deflection":
         control_residual = value - deflection_of(chains, state, load, offset)
@@ -311,7 +354,20 @@ def balance(
         nut_force=closing,
         radial_shift=radial_shift,
         control=control_residual,
+        nut_displacement=nut_displacement,
     )
+
+
+def _unbalanced_on_nut(
+    chains: Chains, free_nut: FreeNutCoupling, displacement: Float[Array, " 4"], nut: Teeth
+) -> Float[Array, " 4"]:
+    """Slope of the energy over the displacements of a free nut [N]."""
+    weight = chains.weight[:, None]
+    forces = jnp.tensordot(free_nut.axial, weight * nut.force, axes=2)
+    if free_nut.radial is not None:
+        assert nut.force_sum is not None
+        forces = forces + jnp.tensordot(free_nut.radial, weight * nut.force_sum, axes=2)
+    return chains.free_nut_regularisation * displacement - forces - free_nut.load
 
 
 def _differences(cumulated: Float[Array, "... segments"], last: Scalar):
@@ -326,7 +382,7 @@ def residual(chains: Chains, state: State, control: Control, value: Scalar) -> S
     """`balance` with the forces of the flanks, differentiable in everything."""
     on_screw, on_nut = flank_loads(chains, state)
     screw = chains.screw.force(state.screw_approach, chains.regularisation, on_screw)
-    nut = chains.nut.force(state.nut_approach, chains.regularisation, on_nut)
+    nut = chains.nut.force(nut_approach(chains, state), chains.regularisation, on_nut)
     return balance(chains, state, control, value, screw, nut)
 
 
@@ -334,7 +390,7 @@ def stored_energy(chains: Chains, state: State, load: Scalar) -> Scalar:
     """Elastic energy in flanks, teeth, screw, rollers and nut (without regularisation) [J]."""
     opening = _gap_opening(state.radial_shift)
     flanks = chains.screw.energy(state.screw_approach, opening)
-    flanks = flanks + chains.nut.energy(state.nut_approach, -opening)
+    flanks = flanks + chains.nut.energy(*nut_flanks(chains, state, opening))
     weight = chains.weight[:, None]
     in_nut = state.nut_force - load if chains.same_end else state.nut_force
     shafts = jnp.sum(chains.screw_segment * screw_force(state, load) ** 2)

@@ -18,6 +18,7 @@ from ._block_tridiagonal import control_column
 from ._chains import (
     Chains,
     Control,
+    Loads,
     State,
     deflection_of,
     flank_loads,
@@ -26,8 +27,16 @@ from ._chains import (
 )
 from ._equilibrium import Equilibrium, equilibrium, linear_response
 from ._side_loads import SideLoads, side_loads
-from ._stage_chains import StageChains, regularisation_of, regularised, sharing_of, stage_chains
+from ._stage_chains import (
+    StageChains,
+    places_of,
+    regularisation_of,
+    regularised,
+    sharing_of,
+    stage_chains,
+)
 from ._unloaded import ElasticDeflection, elastic_deflection
+from .part_errors import forces_on_nut
 
 
 class LoadDistribution(DesignResult):
@@ -54,6 +63,16 @@ class LoadDistribution(DesignResult):
     converged: Annotated[Bool[Array, ""], In("1")]
     #: Numbers of the rollers of each class, from 1.
     rollers: tuple[tuple[int, ...], ...] = eqx.field(static=True)
+    #: Radial force of the rollers on the nut, components at 0 and 90 degrees [N]; this and what
+    #: follows is `None` without `part_errors` and `free_nut`.
+    nut_radial_force: Annotated[Float[Array, "2"] | None, In("N")] = None
+    #: Moment of the rollers on the nut about the middle of the first roller's threads, positive
+    #: towards where it tips the nut's end with the highest thread number [N·m].
+    nut_overturning_moment: Annotated[Float[Array, "2"] | None, In("N·m")] = None
+    #: Displacement of a free nut's axis from its place, there [m]; `None` for a nut that is held.
+    nut_displacement: Annotated[Float[Array, "2"] | None, In("m")] = None
+    #: Angles by which a free nut's axis leans from its place, towards 0 and 90 degrees [rad].
+    nut_lean: Annotated[Float[Array, "2"] | None, In("rad")] = None
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
@@ -106,9 +125,15 @@ class LoadDistribution(DesignResult):
 def tangent_stiffness(chains: Chains, state: State) -> Scalar:
     """Stiffness between the ends where screw and nut are loaded, dF/dx [N/m]."""
     column = control_column(chains, state, "deflection")
-    unloaded = None if state.radial_shift is None else jnp.zeros_like(state.radial_shift)
+    unloaded = [
+        None if one is None else jnp.zeros_like(one)
+        for one in (state.radial_shift, state.nut_displacement)
+    ]
     right = eqx.tree_at(
-        lambda s: (s.radial_shift, s.control), column, (unloaded, None), is_leaf=lambda x: x is None
+        lambda s: (s.radial_shift, s.nut_displacement, s.control),
+        column,
+        (*unloaded, None),
+        is_leaf=lambda x: x is None,
     )
     change = linear_response(chains, state, jax.tree.map(jnp.negative, right))
     pairs = zip(jax.tree.leaves(right), jax.tree.leaves(change), strict=True)
@@ -193,13 +218,14 @@ def balanced(
 
     def describe(value: Scalar, equilibria: Equilibrium, units) -> LoadDistribution:
         of_one = eqx.tree_at(lambda w: regularisation_of(w.chains), chains_of_stage, units)
-        return _described(of_one, equilibria, value, control, tangent)
+        return _described(of_one, stage, equilibria, value, control, tangent)
 
     return _each(describe, values, equilibria, regularisation_of(chains_of_stage.chains))
 
 
 def _described(
     chains_of_stage: StageChains,
+    stage: Stage,
     balance: Equilibrium,
     value: Scalar,
     control: Control,
@@ -220,6 +246,7 @@ def _described(
         if chains.same_end:
             spacer = spacer - load
     on_screw, on_nut = flank_loads(chains, state)
+    across = _across_the_axis(stage, on_nut, state)
     return LoadDistribution(
         screw=side_loads(chains_of_stage, "screw", on_screw),
         nut=side_loads(chains_of_stage, "nut", on_nut),
@@ -231,7 +258,25 @@ def _described(
         equilibrium=balance,
         converged=converged,
         rollers=chains_of_stage.rollers,
+        **across,
     )
+
+
+def _across_the_axis(stage: Stage, on_nut: Loads, state: State) -> dict[str, Array]:
+    """Force and moment on the nut across its axis, and how a free nut has moved, by field."""
+    places = places_of(stage)
+    if places is None:
+        return {}
+    forces = forces_on_nut(stage, places, *on_nut)
+    across = {
+        "nut_radial_force": forces.radial_force,
+        "nut_overturning_moment": forces.overturning_moment,
+    }
+    moved = state.nut_displacement
+    if moved is not None:
+        across["nut_displacement"] = moved[:2]
+        across["nut_lean"] = moved[2:] / stage.thread.nut_radius
+    return across
 
 
 def stage_load_distribution(

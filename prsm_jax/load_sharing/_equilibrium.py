@@ -17,7 +17,16 @@ from jaxtyping import Array, Bool, Int
 
 from ..fields import Scalar
 from ._block_tridiagonal import solve_linear
-from ._chains import Chains, Control, State, Teeth, balance, forces_and_slopes, residual
+from ._chains import (
+    Chains,
+    Control,
+    State,
+    Teeth,
+    balance,
+    forces_and_slopes,
+    nut_approach,
+    residual,
+)
 from ._flank_law import flank_approach
 
 #: A step is cut while more than this share of the energy's slope along it remains.
@@ -70,6 +79,8 @@ def _moved(state: State, step: State, share: Scalar) -> State:
 def _energy_slope(residual: State, step: State) -> Scalar:
     slope = jnp.sum(residual.screw_approach * step.screw_approach)
     slope = slope + jnp.sum(residual.approach * step.approach)
+    if residual.nut_displacement is not None and step.nut_displacement is not None:
+        slope = slope + jnp.sum(residual.nut_displacement * step.nut_displacement)
     if residual.radial_shift is None or step.radial_shift is None:
         return slope
     return slope + jnp.sum(residual.radial_shift * step.radial_shift)
@@ -90,6 +101,7 @@ def _start(chains: Chains, control: Control, value: Scalar) -> _Point:
         jnp.zeros((count - 1,), zero.dtype),
         None if chains.screw.reverse_gap is None else jnp.zeros((classes,), zero.dtype),
         None if control == "load" else zero,
+        None if chains.free_nut is None else jnp.zeros((4,), zero.dtype),
     )
     direction = jnp.sign(value) if control == "load" and chains.split is None else zero
 
@@ -123,7 +135,7 @@ def _error(chains: Chains, point: _Point) -> Scalar:
     round_nut = (
         weight
         * point.nut.slope
-        * (_magnitude(chains.nut, state.nut_approach) + jnp.abs(state.screw_approach))
+        * (_magnitude(chains.nut, nut_approach(chains, state)) + jnp.abs(state.screw_approach))
     )
     allowed = 4 * tiny.eps
     excess = [
@@ -134,6 +146,9 @@ def _error(chains: Chains, point: _Point) -> Scalar:
         excess.append(
             jnp.abs(residual.radial_shift) - allowed * jnp.sum(round_screw + round_nut, axis=1)
         )
+    if residual.nut_displacement is not None:
+        # A displacement moves flanks by about as much, or more by the lever of their places.
+        excess.append(jnp.abs(residual.nut_displacement) - allowed * jnp.sum(round_nut))
     unbalanced = _largest([jnp.maximum(x, 0.0) for x in excess]) / largest
     lengths = [
         state.screw_approach,
@@ -149,7 +164,10 @@ def _error(chains: Chains, point: _Point) -> Scalar:
 
 def _carried_by_regularisation(chains: Chains, state: State) -> Bool[Array, ""]:
     """Whether a regularising spring carries a noticeable share of the typical force."""
-    offsets = [state.screw_approach - chains.screw.centre, state.nut_approach - chains.nut.centre]
+    offsets = [
+        state.screw_approach - chains.screw.centre,
+        nut_approach(chains, state) - chains.nut.centre,
+    ]
     return chains.regularisation * _largest(offsets) > _REGULARISATION_SHARE * chains.typical_force
 
 

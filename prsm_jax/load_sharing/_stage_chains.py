@@ -19,6 +19,13 @@ from ..geometry import Meshing
 from ..mechanism import LoadSharing, Stage, material_of, nut_outer_radius
 from ._chains import Chains, Flanks
 from ._flank_law import flank_approach, flank_force
+from .part_errors import (
+    GapOpening,
+    Places,
+    contact_places,
+    free_nut_coupling,
+    gap_opening,
+)
 from ._yamamoto import ToothCompliance, tooth_compliance
 
 #: Stiffness of the regularising springs over that of a typical contact, in double and single
@@ -61,10 +68,14 @@ def sharing_of(stage: Stage) -> LoadSharing:
 def roller_classes(stage: Stage) -> tuple[tuple[int, ...], ...]:
     """Numbers of the rollers of each class: the nominal ones first, then each unequal one.
 
+    With errors of parts, or a free nut, each is a class of its own, in the order of their numbers.
     Of a traced number of rollers, which are equal, only the first is named.
     """
     if not isinstance(stage.roller_count, int):
         return ((1,),)
+    if stage.load_sharing is not None and stage.load_sharing.rollers_differ:
+        missing = {roller.number for roller in stage.unequal_roller if roller.missing}
+        return tuple((n,) for n in range(1, stage.roller_count + 1) if n not in missing)
     unequal = {
         roller.number: roller
         for roller in stage.unequal_roller
@@ -81,6 +92,14 @@ def _weights(stage: Stage, rollers, dtype) -> Float[Array, " classes"]:
     if not isinstance(count, int):
         return jnp.asarray(count, dtype)[None]
     return jnp.asarray([len(numbers) for numbers in rollers], dtype)
+
+
+def places_of(stage: Stage) -> Places | None:
+    """Places of the contacts where rollers have loads of their own by their places, else `None`."""
+    sharing = sharing_of(stage)
+    if not sharing.rollers_differ:
+        return None
+    return contact_places(stage, roller_classes(stage), sharing.thread_count)
 
 
 def segment_compliances(stage: Stage) -> dict[str, Scalar]:
@@ -163,6 +182,7 @@ def _flanks(
     frame: ContactFrame,
     rollers,
     teeth: dict[str, Scalar] | None,
+    opening: GapOpening | None,
 ) -> Flanks:
     """Gaps and compliances of one side, a row per class."""
     sharing, dtype = sharing_of(stage), stage.thread.lead.dtype
@@ -195,8 +215,12 @@ def _flanks(
     factor = per_class("stiffness_factor", 1.0)
     if factor is None:
         factor = jnp.ones((classes, 1), dtype)
+    gap = forward[None, :] + thinner
+    if opening is not None:
+        gap = gap + opening.radial + opening.axial
+        reverse = None if reverse is None else reverse + opening.radial - opening.axial
     return Flanks(
-        gap=forward[None, :] + thinner,
+        gap=gap,
         reverse_gap=reverse,
         hertz=hertz / factor ** (2 / 3),
         tooth=None if tooth is None else tooth / factor,
@@ -243,6 +267,8 @@ def regularised(
             span = jnp.maximum(span, jnp.max(jnp.abs(play)))
             reach = jnp.maximum(reach, -jnp.min(play) / 2)
     force = (jnp.abs(load) + jnp.abs(preload)) / (jnp.sum(chains.weight) * count)
+    if chains.free_nut is not None:
+        force = force + jnp.sum(jnp.abs(chains.free_nut.load)) / (jnp.sum(chains.weight) * count)
     if deflection is not zero or chains.offset is not None or sides[0].reverse_gap is not None:
         for side in sides:
             pressed = jnp.broadcast_to(reach, (*chains.weight.shape, 1))
@@ -285,8 +311,20 @@ def stage_chains(
     else:
         units = _under_one_newton(contact.screw), _under_one_newton(contact.nut)
     teeth = _teeth(stage)
+    places = places_of(stage)
+
+    def opening_of(side: str) -> GapOpening | None:
+        errors = sharing.part_errors
+        if errors is None or places is None:
+            return None
+        return gap_opening(stage, errors, side, rollers, places)
+
+    free_nut = None
+    if sharing.free_nut is not None and places is not None:
+        both = sharing.has_reverse_flanks
+        free_nut = free_nut_coupling(stage, sharing.free_nut, places, both)
     flanks = [
-        _flanks(stage, side, unit, frame, rollers, teeth)
+        _flanks(stage, side, unit, frame, rollers, teeth, opening_of(side))
         for side, unit, frame in zip(("screw", "nut"), units, frames, strict=True)
     ]
     segments = (sharing.thread_count - 1,)
@@ -313,6 +351,7 @@ def stage_chains(
         offset=offset,
         split=split,
         same_end=sharing.mounting == "same_end",
+        free_nut=free_nut,
     )
     meshed = jnp.asarray(True) if meshing is None else meshing.converged
     normals = [frame.normal_per_axial for frame in frames]

@@ -50,6 +50,7 @@ from .parts import (
     Thread,
     Tolerance,
     UnequalRoller,
+    check_part_errors,
     check_unequal_rollers,
 )
 
@@ -138,6 +139,8 @@ class Stage(Limited):
     def __check_init__(self) -> None:
         check_type(self)
         check_unequal_rollers(self.unequal_roller, self.roller_count)
+        if self.load_sharing is not None:
+            check_part_errors(self.load_sharing.part_errors, self.roller_count)
         check_stage(self)
 
     @property

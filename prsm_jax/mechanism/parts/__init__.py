@@ -50,6 +50,11 @@ from ._load_sharing import (
     SplitNut as SplitNut,
     ThreadTooth as ThreadTooth,
 )
+from ._part_errors import (
+    FreeNut as FreeNut,
+    PartErrors as PartErrors,
+    check_part_errors as check_part_errors,
+)
 from ._strength import (
     END_CONDITIONS as END_CONDITIONS,
     AxialPlay as AxialPlay,

@@ -18,6 +18,7 @@ from ...fields import (
     optional_numbers,
     part,
 )
+from ._part_errors import FreeNut, PartErrors
 
 Mounting: TypeAlias = Literal["same_end", "opposite_end"]
 
@@ -146,6 +147,10 @@ class LoadSharing(Limited):
         "axial wear of the flanks between nut and roller that carry a positive load",
         limit=NOT_NEGATIVE,
     )
+    part_errors: PartErrors | None = part(
+        "nut and screw are coaxial, and rollers have equal diameters"
+    )
+    free_nut: FreeNut | None = part("the nut is held: it neither moves sideways nor leans")
 
     def __check_init__(self) -> None:
         if self.split_nut is not None and self.split_nut.after_thread >= self.thread_count:
@@ -158,3 +163,8 @@ class LoadSharing(Limited):
     def has_reverse_flanks(self) -> bool:
         """Whether the flanks that carry a negative load are modelled."""
         return self.backlash is not None or self.split_nut is not None
+
+    @property
+    def rollers_differ(self) -> bool:
+        """Whether each roller has a load of its own, because of its place around the screw."""
+        return self.part_errors is not None or self.free_nut is not None

@@ -1,0 +1,79 @@
+r"""A nut that moves sideways and leans: how its displacement changes the gaps on its side.
+
+Its unknowns are $p = (d_x, d_y, r\tau_x, r\tau_y)$ [m]: displacement, and lean times the radius of
+its thread. They minimise the same convex energy as all others, less the work of the given load.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ...fields import Scalar
+from ...mechanism import FreeNut, Stage
+from ...programs import physics
+from ._places import Places
+
+
+class FreeNutCoupling(eqx.Module):
+    """Change of the gaps on the nut side over the nut's displacements, and the load on the nut."""
+
+    #: Change of the approach of forward flanks (reverse ones: the opposite), with its sign turned.
+    axial: Float[Array, "4 rollers threads"]
+    #: Opening of both flanks; `None` where threads have one flank: then `axial` contains it.
+    radial: Float[Array, "4 rollers threads"] | None
+    #: Radial load, and moment over the radius of the nut's thread [N].
+    load: Float[Array, " 4"]
+
+    def shift(self, displacement: Float[Array, " 4"]) -> Float[Array, "rollers threads"]:
+        """Decrease of the approach of the forward flanks [m]."""
+        return jnp.tensordot(displacement, self.axial, axes=1)
+
+    def opening(self, displacement: Float[Array, " 4"]) -> Float[Array, "rollers threads"] | float:
+        """Opening of both flanks [m]; 0 where threads have one."""
+        return 0.0 if self.radial is None else jnp.tensordot(displacement, self.radial, axes=1)
+
+
+def directions(places: Places) -> Float[Array, "2 rollers 1"]:
+    """Cosine and sine of each roller's angle."""
+    return jnp.stack([jnp.cos(places.angle), jnp.sin(places.angle)])[:, :, None]
+
+
+def unit_displacements(stage: Stage, places: Places) -> tuple[Array, Array]:
+    r"""Radial and axial opening of the nut's gaps per unknown, $\tan\alpha$ u and w as for errors.
+
+    **Returns:** two arrays of shape [4, rollers, threads], dimensionless.
+    """
+    slope = jnp.tan(stage.thread.flank_angle)
+    across = jnp.broadcast_to(directions(places), (2, *places.axial.shape))
+    levers = places.axial / stage.thread.nut_radius
+    radial = slope * jnp.concatenate([across, levers[None] * across])
+    return radial, jnp.concatenate([jnp.zeros_like(across), -across])
+
+
+def _vector(amount: Scalar | None, angle: Scalar | None, dtype) -> Float[Array, " 2"]:
+    if amount is None:
+        return jnp.zeros((2,), dtype)
+    if angle is None:
+        return jnp.stack([amount, jnp.zeros_like(amount)])
+    return amount * jnp.stack([jnp.cos(angle), jnp.sin(angle)])
+
+
+@physics("free_nut")
+def free_nut_coupling(stage: Stage, nut: FreeNut, places: Places, both: bool) -> FreeNutCoupling:
+    """The coupling of a free nut to its contacts.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `nut`: the loads on its nut.
+    - `places`: of the contacts.
+    - `both`: whether reverse flanks are modelled.
+    """
+    radial, axial = unit_displacements(stage, places)
+    dtype = places.axial.dtype
+    force = _vector(nut.radial_load, nut.radial_load_angle, dtype)
+    moment = _vector(nut.overturning_moment, nut.overturning_moment_angle, dtype)
+    load = jnp.concatenate([force, moment / stage.thread.nut_radius])
+    if both:
+        return FreeNutCoupling(axial, radial, load)
+    return FreeNutCoupling(axial + radial, None, load)
