@@ -5,9 +5,10 @@ halfspace, load_sharing → strength, stiffness → vibration, dynamics → resp
 findings, sensitivities, optimisation, calibration, sweeps, uncertainty → studies → report. A
 mechanism holds laws of `friction` and a `scenario`. `validation` compares with published numbers,
 `explanation` lists the parts of a mechanism, `catalogue_sizes` builds mechanisms from a maker's
-table, `dimensioning` chooses one of them, `cli` is the command line. The lowest layer is `fields`
-(numbers with units and limits), `numerics` (methods), `programs` (how JAX compiles them), `text`,
-`process` (signals, files) and `results` (how results are printed and kept).
+table, `dimensioning` chooses one of them, `exchange` writes files of other programs, `cli` is the
+command line. The lowest layer is `fields` (numbers with units and limits), `numerics` (methods),
+`programs` (how JAX compiles them), `text`, `process` (signals, files) and `results` (how results
+are printed and kept).
 """
 
 from . import process as process  # isort: skip # before JAX
@@ -91,6 +92,7 @@ if TYPE_CHECKING:
         calibration as calibration,
         catalogue_sizes as catalogue_sizes,
         dimensioning as dimensioning,
+        exchange as exchange,
         explanation as explanation,
         halfspace as halfspace,
         optimisation as optimisation,
@@ -119,6 +121,7 @@ else:
         "calibration": "calibrate",
         "catalogue_sizes": "catalogue_mechanism",
         "dimensioning": "",
+        "exchange": "",
         "explanation": "explain",
         "halfspace": "",
         "optimisation": "Optimum ParetoFront optimise pareto",

@@ -25,6 +25,7 @@ EXAMPLES = {
     "doctor": "prsm doctor --json doctor.json",
     "example": "prsm example actuator --out .",
     "explain": "prsm explain actuator --programs steady_state",
+    "export": "prsm export actuator --as dxf,tables --out out",
     "modal": "prsm modal wu2022 --against contact_angle --from '20 deg' --to '70 deg'",
     "new": "prsm new screw.toml --load '10 kN' --stroke '300 mm' --speed '100 mm/s'",
     "optimise": "prsm optimise actuator --out out",

@@ -187,7 +187,7 @@ def _fill(book: Any, data: "xarray.Dataset", designs: tuple[str, ...], assumptio
     columns = _columns(data, designs)
     sheet = book.create_sheet("designs")
     sheet.freeze_panes = "A2"
-    sheet.append([_words(sheet, column.heading) for column in columns])
+    sheet.append([text_cell(sheet, column.heading) for column in columns])
     for table in _pieces(data, columns, designs):
         for row in table.itertuples(index=False):
             sheet.append([_cell(sheet, value) for value in row])
@@ -195,25 +195,31 @@ def _fill(book: Any, data: "xarray.Dataset", designs: tuple[str, ...], assumptio
     described.append(["column", "unit", "description"])
     for column in columns:
         described.append(
-            [_words(described, one) for one in (column.name, column.unit, column.description)]
+            [text_cell(described, one) for one in (column.name, column.unit, column.description)]
         )
     rests = book.create_sheet("assumptions")
     for sentence in assumptions:
-        rests.append([_words(rests, sentence)])
+        rests.append([text_cell(rests, sentence)])
     for name, value in data.attrs.items():
-        rests.append([_words(rests, f"{name}: {value}")])
+        rests.append([text_cell(rests, f"{name}: {value}")])
 
 
 def _cell(sheet: Any, value: Any) -> Any:
     """A value of a cell. NaN and infinity, which Excel does not have, give an empty cell."""
     value = value.item() if isinstance(value, np.generic) else value
     if isinstance(value, str):
-        return _words(sheet, value)
+        return text_cell(sheet, value)
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _words(sheet: Any, text: str) -> Any:
-    """A cell of text, which Excel does not take for a formula."""
+def text_cell(sheet: Any, text: str) -> Any:
+    """A cell of text, which Excel does not take for a formula.
+
+    **Arguments:**
+
+    - `sheet`: of a workbook of openpyxl that is only written.
+    - `text`: the text.
+    """
     import openpyxl.cell
 
     cell = openpyxl.cell.WriteOnlyCell(sheet, text)

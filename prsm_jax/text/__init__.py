@@ -2,6 +2,7 @@
 
 from ._display_units import (
     MINUS as MINUS,
+    UNIT_LABELS as UNIT_LABELS,
     DisplayUnit as DisplayUnit,
     display_unit as display_unit,
     in_unit as in_unit,

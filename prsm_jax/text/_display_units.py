@@ -70,6 +70,10 @@ _WORTH = {
     "m/s": 1.0,
 }
 _PERCENT = DisplayUnit("%", 100.0)
+#: Labels of all units that follow a number in text.
+UNIT_LABELS = frozenset(
+    {one.label for units in _SHOWN.values() for one in units if one.label} | {_PERCENT.label}
+)
 
 
 def is_efficiency(quantity: str) -> bool:

@@ -1,5 +1,12 @@
 """Numbers with units, and messages that name them."""
 
+from ._csv import (
+    CsvColumn as CsvColumn,
+    csv_column as csv_column,
+    csv_heading as csv_heading,
+    csv_number as csv_number,
+    csv_rows as csv_rows,
+)
 from ._layout import (
     TableChoice as TableChoice,
     table_choices as table_choices,

@@ -1,6 +1,7 @@
 """The mechanism, its operating point, and the findings of the checks."""
 
 import math
+from collections.abc import Iterator
 
 from ..._errors import MissingDataError
 from ...geometry import roller_clearance
@@ -14,7 +15,7 @@ from ._section import Picture, Section, Table
 def mechanism_section(data: ReportData) -> Section:
     """The mechanism and its operating point."""
     stages = data.mechanism.stages
-    columns = [dict(_stage_rows(stage)) for stage in stages]
+    columns = [dict(stage_rows(stage)) for stage in stages]
     names = list(dict.fromkeys(name for column in columns for name in column))
     rows = tuple((name, *(column.get(name, "not given") for column in columns)) for name in names)
     head = ("", *(f"stage {i}" for i in range(1, len(stages) + 1))) if len(stages) > 1 else ("", "")
@@ -69,7 +70,8 @@ def findings_section(data: ReportData) -> Section:
     return Section("findings", "Findings", tuple(words), tuple(tables))
 
 
-def _stage_rows(stage: Stage):
+def stage_rows(stage: Stage) -> Iterator[tuple[str, str]]:
+    """Name and value with its unit of everything that describes a stage."""
     thread = stage.thread
 
     def length(value) -> str:

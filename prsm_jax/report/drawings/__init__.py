@@ -1,8 +1,14 @@
 """Drawings of a mechanism, with dimensions."""
 
+from ._axial_section import (
+    draw_axial_section as draw_axial_section,
+    drawn_half_length as drawn_half_length,
+)
 from ._cross_section import cross_section as cross_section
+from ._drafting import Canvas as Canvas, Length as Length
 from ._drawing_dimensions import (
     DrawingDimensions as DrawingDimensions,
     drawing_dimensions as drawing_dimensions,
     roller_places as roller_places,
 )
+from ._transverse_view import draw_transverse_view as draw_transverse_view

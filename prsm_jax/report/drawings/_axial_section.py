@@ -3,8 +3,8 @@
 import numpy as np
 
 from ...text import trimmed
-from .._style import BODY_COLOURS, INK, MUTED
-from ._drafting import Sheet
+from .._style import INK
+from ._drafting import Canvas
 from ._drawing_dimensions import DrawingDimensions
 from ._thread_profile import (
     nut_profile,
@@ -27,7 +27,7 @@ def drawn_half_length(dims: DrawingDimensions) -> float:
     return max(dims.drawn_nut_length / 2, inside) + _STUB
 
 
-def draw_axial_section(sheet: Sheet, dims: DrawingDimensions) -> None:
+def draw_axial_section(sheet: Canvas, dims: DrawingDimensions) -> None:
     """Draw the half-section about the middle of the rollers and dimension it."""
     half = drawn_half_length(dims)
     roller = dims.drawn_roller_length / 2
@@ -45,18 +45,7 @@ def draw_axial_section(sheet: Sheet, dims: DrawingDimensions) -> None:
     _dimensions(sheet, dims, half)
 
 
-def _fill(sheet: Sheet, xs, ys, body: str, hatch: str = "", **kwargs) -> None:
-    from matplotlib.patches import Polygon
-
-    points = np.column_stack([xs, ys])
-    style = {"facecolor": BODY_COLOURS[body], "linewidth": 0, "edgecolor": MUTED} | kwargs
-    sheet.axes.add_patch(Polygon(points, closed=True, hatch=hatch, **style))
-    if "linewidth" not in kwargs:
-        outline = {"facecolor": "none", "edgecolor": INK, "linewidth": 0.6}
-        sheet.axes.add_patch(Polygon(points, closed=True, label=body, **outline))
-
-
-def _screw(sheet: Sheet, dims: DrawingDimensions, half: float, threaded: float) -> None:
+def _screw(sheet: Canvas, dims: DrawingDimensions, half: float, threaded: float) -> None:
     complete = dims.screw_length is not None and dims.screw_length / 2 <= half
     end = dims.screw_length / 2 if complete and dims.screw_length is not None else half
     # A screw that carries its rollers has thread only where they are, and teeth beside it.
@@ -72,14 +61,14 @@ def _screw(sheet: Sheet, dims: DrawingDimensions, half: float, threaded: float) 
         left = right = _break_line(end, root, bore)
     xs = np.concatenate([-left[::-1, 0], along, right[:, 0]])
     ys = np.concatenate([left[::-1, 1], radius, right[:, 1]])
-    _fill(sheet, xs, ys, "screw", hatch="\\\\\\\\")
+    sheet.area(xs, ys, "screw", hatch="\\\\\\\\")
     if carries and dims.gear_width is not None:
         for sign in (-1, 1):
             inside, outside = sign * threaded, sign * (threaded + dims.gear_width)
             xs = [inside, outside, outside, inside]
-            _fill(sheet, xs, [root, root, dims.screw_radius, dims.screw_radius], "screw")
+            sheet.area(xs, [root, root, dims.screw_radius, dims.screw_radius], "screw")
     if bore:
-        sheet.line((-end, end), (bore, bore), color=INK)
+        sheet.line((-end, end), (bore, bore), body="screw", color=INK)
 
 
 def _break_line(x: float, top: float, bottom: float):
@@ -89,7 +78,7 @@ def _break_line(x: float, top: float, bottom: float):
     return np.column_stack([x + wave, top + (bottom - top) * share])
 
 
-def _nut(sheet: Sheet, dims: DrawingDimensions, threaded: float) -> None:
+def _nut(sheet: Canvas, dims: DrawingDimensions, threaded: float) -> None:
     half, outer = dims.drawn_nut_length / 2, dims.drawn_outer_radius
     plain = dims.nut_radius + dims.roller_addendum
     reach = half if dims.family.carrying == "screw" else min(threaded, half)
@@ -99,27 +88,29 @@ def _nut(sheet: Sheet, dims: DrawingDimensions, threaded: float) -> None:
     ys = np.concatenate([[plain], radius, [plain, outer, outer]])
     open_edges = dims.nut_outer_radius is None or dims.nut_length is None
     if open_edges:
-        _fill(sheet, xs, ys, "nut", hatch="////", linewidth=0)
+        sheet.area(xs, ys, "nut", hatch="////", outlined=False)
         dashed = {"ls": (0, (3, 2)), "color": INK, "lw": 0.6}
-        sheet.line((-half, -half, half, half), (plain, outer, outer, plain), **dashed)
+        edge = (plain, outer, outer, plain)
+        sheet.line((-half, -half, half, half), edge, body="nut", **dashed)
         sheet.line(
             np.concatenate([[-half], along, [half]]),
             np.concatenate([[plain], radius, [plain]]),
+            body="nut",
             color=INK,
             lw=0.6,
         )
     else:
-        _fill(sheet, xs, ys, "nut", hatch="////")
+        sheet.area(xs, ys, "nut", hatch="////")
     if dims.ring_length is not None and dims.ring_outer_radius is not None:
         edge = dims.drawn_roller_length / 2
         for sign in (-1, 1):
             outside, inside = sign * edge, sign * (edge - dims.ring_length)
             xs = [outside, inside, inside, outside]
             inner, rim = dims.nut_radius, dims.ring_outer_radius
-            _fill(sheet, xs, [inner, inner, rim, rim], "ring_gear", hatch="....")
+            sheet.area(xs, [inner, inner, rim, rim], "ring_gear", hatch="....")
 
 
-def _roller(sheet: Sheet, dims: DrawingDimensions, roller: float, threaded: float) -> None:
+def _roller(sheet: Canvas, dims: DrawingDimensions, roller: float, threaded: float) -> None:
     a = dims.centre_distance
     outside = tooth_centres(dims, -threaded, threaded, shifted=dims.shifted_at_nut)
     top = roller_profile(dims, outside, 1)
@@ -129,22 +120,22 @@ def _roller(sheet: Sheet, dims: DrawingDimensions, roller: float, threaded: floa
     xs = np.concatenate([top[0], end, bottom[0][::-1], [-x for x in end[::-1]]])
     right = [high, high, low, low]
     ys = np.concatenate([top[1], right, bottom[1][::-1], right[::-1]])
-    _fill(sheet, xs, ys, "roller")
+    sheet.area(xs, ys, "roller")
     for sign in (-1, 1):
         if threaded < roller:
-            sheet.line((sign * threaded,) * 2, (low, high), color=INK, lw=0.5)
+            sheet.line((sign * threaded,) * 2, (low, high), body="roller", color=INK, lw=0.5)
 
 
-def _carriers(sheet: Sheet, dims: DrawingDimensions, roller: float) -> None:
+def _carriers(sheet: Canvas, dims: DrawingDimensions, roller: float) -> None:
     inner, outer, length = dims.carrier_inner_radius, dims.carrier_outer_radius, dims.carrier_length
     if inner is None or outer is None or length is None:
         return
     for sign in (-1, 1)[: dims.carrier_count]:
         xs = [sign * roller, sign * (roller + length), sign * (roller + length), sign * roller]
-        _fill(sheet, xs, [inner, inner, outer, outer], "carrier", hatch="xxxx")
+        sheet.area(xs, [inner, inner, outer, outer], "carrier", hatch="xxxx")
 
 
-def _dimensions(sheet: Sheet, dims: DrawingDimensions, half: float) -> None:
+def _dimensions(sheet: Canvas, dims: DrawingDimensions, half: float) -> None:
     top = dims.drawn_outer_radius
     if dims.nut_length is not None:
         nut = dims.nut_length / 2
@@ -158,14 +149,14 @@ def _dimensions(sheet: Sheet, dims: DrawingDimensions, half: float) -> None:
             -roller, roller, below, f"roller {trimmed(dims.roller_length)}", dims.centre_distance
         )
     _end_dimensions(sheet, dims)
-    left, right = sheet.axes.get_xlim()
+    left, right = sheet.ends
     sheet.scale_bar(right - sheet.paper(2) - 10, below + sheet.paper(0.9), 10)
     if dims.screw_length is not None and dims.screw_length / 2 > half:
         words = f"screw {trimmed(dims.screw_length)},\nbroken off"
         sheet.text(left + sheet.paper(2), below, words, ha="left", va="center")
 
 
-def _end_dimensions(sheet: Sheet, dims: DrawingDimensions) -> None:
+def _end_dimensions(sheet: Canvas, dims: DrawingDimensions) -> None:
     """Dimensions of gear, ring gear and carrier, under that of the roller."""
     roller, below = dims.drawn_roller_length / 2, -sheet.paper(11.5)
     middle = dims.centre_distance

@@ -16,9 +16,20 @@ from .._style import (
     drawn,
     page_figure,
 )
-from . import _axial_section, _thread_detail, _transverse_view
-from ._drafting import place_sheet
+from . import _thread_detail
+from ._axial_section import (
+    ABOVE as ABOVE_SECTION,
+    BELOW as BELOW_SECTION,
+    draw_axial_section,
+    drawn_half_length,
+)
+from ._drafting import CONTACT_COLOURS, place_sheet
 from ._drawing_dimensions import DrawingDimensions, drawing_dimensions
+from ._transverse_view import (
+    ABOVE as ABOVE_VIEW,
+    BELOW as BELOW_VIEW,
+    draw_transverse_view,
+)
 
 _MARGIN, _GUTTER, _HEADING, _FOOT = 2.0, 5.0, 12.0, 16.0
 #: Height between screw and nut in the enlarged detail of the largest mechanism, on paper [mm].
@@ -55,16 +66,14 @@ def cross_section(mechanisms: Mapping[str, Mechanism], *, stage: int = 1) -> Fig
     every = list(dims.values())
     # One mechanism fills the page: its axial section lies beside its transverse view.
     width = (PAGE_WIDTH - 2 * _MARGIN - _GUTTER) / 2
-    widest = max(
-        max(2 * d.drawn_outer_radius, 2 * _axial_section.drawn_half_length(d)) for d in every
-    )
+    widest = max(max(2 * d.drawn_outer_radius, 2 * drawn_half_length(d)) for d in every)
     # Beside the nut there must be room for words.
     room = (width / 2 - _WORDS) / max(d.nut_radius for d in every)
     scale = min(width / (widest + 4.0), room, 4.0)
     outer = max(d.drawn_outer_radius for d in every)
     detail_scale = _DETAIL / max(_thread_detail.detail_height(d) for d in every)
-    across = 2 * scale * outer + _transverse_view.ABOVE + _transverse_view.BELOW
-    along = scale * outer + _axial_section.ABOVE + _axial_section.BELOW
+    across = 2 * scale * outer + ABOVE_VIEW + BELOW_VIEW
+    along = scale * outer + ABOVE_SECTION + BELOW_SECTION
     detail = max(_thread_detail.paper_height(d, detail_scale) for d in every)
     single = len(dims) == 1
     heights = max(across, along + detail + _GUTTER) if single else across + along + detail + _GUTTER
@@ -73,16 +82,16 @@ def cross_section(mechanisms: Mapping[str, Mechanism], *, stage: int = 1) -> Fig
     for column, (label, d) in enumerate(dims.items()):
         left = _MARGIN + column * (width + _GUTTER)
         _heading(figure, left, top, label, d)
-        lowest = -outer - _transverse_view.BELOW / scale
+        lowest = -outer - BELOW_VIEW / scale
         sheet = place_sheet(figure, left, top - across, width, across, scale, lowest)
-        _transverse_view.draw_transverse_view(sheet, d)
+        draw_transverse_view(sheet, d)
         if single:
             left, below = left + width + _GUTTER, top
         else:
             below = top - across
-        lowest = -_axial_section.BELOW / scale
+        lowest = -BELOW_SECTION / scale
         sheet = place_sheet(figure, left, below - along, width, along, scale, lowest)
-        _axial_section.draw_axial_section(sheet, d)
+        draw_axial_section(sheet, d)
         bottom = below - along - _GUTTER - detail
         lowest = d.centre_distance - detail / detail_scale / 2
         sheet = place_sheet(figure, left, bottom, width, detail, detail_scale, lowest)
@@ -120,8 +129,8 @@ def _legend(
     handles: list[Any] = body_patches(body for body in BODY_COLOURS if shown.get(body, True))
     dot = {"ls": "", "marker": "o", "ms": 3.5}
     handles += [
-        Line2D([], [], color="#d55e00", label="contact with screw", **dot),
-        Line2D([], [], color="#0072b2", label="contact with nut", **dot),
+        Line2D([], [], color=CONTACT_COLOURS["screw"], label="contact with screw", **dot),
+        Line2D([], [], color=CONTACT_COLOURS["nut"], label="contact with nut", **dot),
     ]
     dense_legend(figure, handles, _at(figure, PAGE_WIDTH / 2, 8.5))
     figure.text(

@@ -1,16 +1,79 @@
-"""A drawing sheet: real millimetres on axes of a known scale, with dimension lines."""
+"""What views are drawn on, in real millimetres; and a sheet of a figure, of a known scale."""
 
 import math
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, Protocol, TypeAlias, runtime_checkable
+
+import numpy as np
 
 from .._parts import CHAIN
-from .._style import INK, MUTED, SMALL, Axes, Figure, place_axes
+from .._style import BODY_COLOURS, INK, MUTED, SMALL, Axes, Figure, place_axes
 
 #: A length on the drawing or on paper [mm].
 Length: TypeAlias = float | int
+CONTACT_COLOURS = {"screw": "#d55e00", "nut": "#0072b2"}
 
 _ARROW = {"arrowstyle": "<|-|>", "mutation_scale": 5.5, "shrinkA": 0, "shrinkB": 0}
+
+
+@runtime_checkable
+class Canvas(Protocol):
+    """What a view is drawn on: a `Sheet` of a figure, or a drawing of another format.
+
+    Lengths and places are in real millimetres. A style has the words of matplotlib; a format
+    without them ignores it, but for dashes (`ls`).
+    """
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The abscissae at which the canvas ends on the left and on the right."""
+        ...
+
+    def paper(self, millimetres: Length) -> float:
+        """A length on paper as a length on the drawing."""
+        ...
+
+    def text(self, x: Length, y: Length, words: str, **style: Any) -> None:
+        """Words at a point."""
+        ...
+
+    def line(self, xs: Any, ys: Any, *, body: str = "", **style: Any) -> None:
+        """A line through points, an edge of a body if it is named."""
+        ...
+
+    def centre_line(self, xs: Any, ys: Any) -> None:
+        """A chain line: an axis or a pitch circle."""
+        ...
+
+    def area(self, xs: Any, ys: Any, body: str, hatch: str = "", outlined: bool = True) -> None:
+        """A closed area of a body, cut if it is hatched."""
+        ...
+
+    def circle(
+        self, radius: Length, name: str, at: tuple[Length, Length] = (0, 0), **style: Any
+    ) -> None:
+        """A circle; its name begins with the body: "nut outside"."""
+        ...
+
+    def marks(self, xs: Any, ys: Any, side: str) -> None:
+        """Contact points with the screw or the nut."""
+        ...
+
+    def horizontal_dimension(
+        self, x0: Length, x1: Length, y: Length, words: str, start: Length, beside: bool = False
+    ) -> None:
+        """A dimension between two abscissae at height y, with extension lines from `start`."""
+        ...
+
+    def leader(
+        self, x: Length, y: Length, words_x: Length, words_y: Length, words: str, **style: Any
+    ) -> None:
+        """Words with an arrow to a point."""
+        ...
+
+    def scale_bar(self, x: Length, y: Length, length: Length) -> None:
+        """A bar of a real length."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -19,6 +82,11 @@ class Sheet:
 
     axes: Axes
     scale: Length
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The abscissae at which the sheet ends on the left and on the right."""
+        return self.axes.get_xlim()
 
     def paper(self, millimetres: Length) -> float:
         """A length on paper as a length on the drawing."""
@@ -29,7 +97,32 @@ class Sheet:
         style = {"fontsize": SMALL, "color": INK, "ha": "center", "va": "center"} | kwargs
         self.axes.text(x, y, words, **style)
 
-    def line(self, xs, ys, **kwargs) -> None:
+    def area(self, xs, ys, body: str, hatch: str = "", outlined: bool = True) -> None:
+        """A closed area of a body in its colour, cut if it is hatched."""
+        from matplotlib.patches import Polygon
+
+        points = np.column_stack([xs, ys])
+        style = {"facecolor": BODY_COLOURS[body], "linewidth": 0, "edgecolor": MUTED}
+        self.axes.add_patch(Polygon(points, closed=True, hatch=hatch, **style))
+        if outlined:
+            outline = {"facecolor": "none", "edgecolor": INK, "linewidth": 0.6}
+            self.axes.add_patch(Polygon(points, closed=True, label=body, **outline))
+
+    def circle(
+        self, radius: Length, name: str, at: tuple[Length, Length] = (0, 0), **kwargs
+    ) -> None:
+        """A circle, by default without filling."""
+        from matplotlib.patches import Circle
+
+        style = {"facecolor": "none", "edgecolor": INK, "linewidth": 0.8} | kwargs
+        self.axes.add_patch(Circle(at, radius, label=name, **style))
+
+    def marks(self, xs, ys, side: str) -> None:
+        """Contact points with the screw or the nut."""
+        style = {"ms": 2.6, "mfc": CONTACT_COLOURS[side], "mec": "white", "mew": 0.3, "zorder": 4}
+        self.axes.plot(xs, ys, "o", **style)
+
+    def line(self, xs, ys, *, body: str = "", **kwargs) -> None:
         """A thin line."""
         self.axes.plot(xs, ys, **({"color": MUTED, "lw": 0.5, "solid_capstyle": "butt"} | kwargs))
 

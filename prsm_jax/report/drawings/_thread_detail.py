@@ -6,7 +6,7 @@ import numpy as np
 
 from ...text import trimmed
 from .._style import BODY_COLOURS, INK, SMALL
-from ._drafting import Sheet
+from ._drafting import CONTACT_COLOURS, Sheet
 from ._drawing_dimensions import DrawingDimensions
 from ._thread_profile import (
     nut_half_thickness,
@@ -88,12 +88,14 @@ def _contact_marks(sheet: Sheet, dims: DrawingDimensions, between) -> None:
         xs = between[dims.shifted_at_nut] - dims.pitch / 2 + nut_shift(dims)
         xs = xs + nut_half_thickness(dims, inwards)
         xs = xs[(xs > left) & (xs < right)]
-        sheet.axes.plot(xs, np.full_like(xs, dims.nut_contact.x), mfc="#0072b2", **style)
+        style["mfc"] = CONTACT_COLOURS["nut"]
+        sheet.axes.plot(xs, np.full_like(xs, dims.nut_contact.x), **style)
     if dims.screw_contact is not None:
         height = dims.screw_contact.x - dims.screw_radius
         xs = between[True] + screw_shift(dims) - screw_half_thickness(dims, height)
         xs = xs[(xs > left) & (xs < right)]
-        sheet.axes.plot(xs, np.full_like(xs, dims.screw_contact.x), mfc="#d55e00", **style)
+        style["mfc"] = CONTACT_COLOURS["screw"]
+        sheet.axes.plot(xs, np.full_like(xs, dims.screw_contact.x), **style)
 
 
 def _pitch(sheet: Sheet, dims: DrawingDimensions) -> None:

@@ -4,8 +4,8 @@ import math
 from typing import Any
 
 from ...text import trimmed
-from .._style import BODY_COLOURS, INK, MUTED
-from ._drafting import Length, Sheet
+from .._style import BODY_COLOURS, MUTED
+from ._drafting import Canvas, Length
 from ._drawing_dimensions import DrawingDimensions
 
 #: Space for the dimensions above and below the view, on paper [mm].
@@ -13,7 +13,7 @@ ABOVE, BELOW = 16.0, 23.0
 _STEP = 5.5
 
 
-def draw_transverse_view(sheet: Sheet, dims: DrawingDimensions) -> None:
+def draw_transverse_view(sheet: Canvas, dims: DrawingDimensions) -> None:
     """Draw the transverse view about the origin and dimension it."""
     _nut_and_gear(sheet, dims)
     _screw(sheet, dims)
@@ -22,52 +22,43 @@ def draw_transverse_view(sheet: Sheet, dims: DrawingDimensions) -> None:
     _dimensions(sheet, dims)
 
 
-def _circle(
-    sheet: Sheet, radius: Length, name: str, at: tuple[Length, Length] = (0, 0), **kwargs
-) -> None:
-    from matplotlib.patches import Circle
-
-    style = {"facecolor": "none", "edgecolor": INK, "linewidth": 0.8} | kwargs
-    sheet.axes.add_patch(Circle(at, radius, label=name, **style))
-
-
-def _nut_and_gear(sheet: Sheet, dims: DrawingDimensions) -> None:
+def _nut_and_gear(sheet: Canvas, dims: DrawingDimensions) -> None:
     outer = dims.drawn_outer_radius
     style: Any = {"facecolor": BODY_COLOURS["nut"], "hatch": "////", "edgecolor": MUTED}
-    _circle(sheet, outer, "nut", linewidth=0, **style)
+    sheet.circle(outer, "nut", linewidth=0, **style)
     edge: Any = {"linewidth": 0.9}
     if dims.nut_outer_radius is None:
         edge = {"linewidth": 0.6, "linestyle": (0, (3, 2))}
-    _circle(sheet, outer, "nut outside", **edge)
-    _circle(sheet, dims.nut_radius, "nut thread", facecolor="white")
+    sheet.circle(outer, "nut outside", **edge)
+    sheet.circle(dims.nut_radius, "nut thread", facecolor="white")
     if dims.ring_outer_radius is not None:
         style = {"edgecolor": "#8f5f86", "linestyle": (0, (4, 1.5))}
-        _circle(sheet, dims.ring_outer_radius, "ring gear outside", **style)
+        sheet.circle(dims.ring_outer_radius, "ring gear outside", **style)
     if dims.carrier_inner_radius is not None and dims.carrier_outer_radius is not None:
         for radius in (dims.carrier_inner_radius, dims.carrier_outer_radius):
-            _circle(sheet, radius, "carrier", edgecolor=MUTED, linestyle=(0, (1.5, 1.5)))
+            sheet.circle(radius, "carrier", edgecolor=MUTED, linestyle=(0, (1.5, 1.5)))
 
 
-def _screw(sheet: Sheet, dims: DrawingDimensions) -> None:
-    _circle(sheet, dims.screw_radius, "screw", facecolor=BODY_COLOURS["screw"], zorder=2)
+def _screw(sheet: Canvas, dims: DrawingDimensions) -> None:
+    sheet.circle(dims.screw_radius, "screw", facecolor=BODY_COLOURS["screw"], zorder=2)
     if dims.bore_radius:
-        _circle(sheet, dims.bore_radius, "bore", facecolor="white", zorder=2)
+        sheet.circle(dims.bore_radius, "bore", facecolor="white", zorder=2)
 
 
-def _rollers(sheet: Sheet, dims: DrawingDimensions) -> None:
+def _rollers(sheet: Canvas, dims: DrawingDimensions) -> None:
     cross, centre = 0.35 * dims.roller_radius, dims.centre_distance
     empty = {"edgecolor": MUTED, "linestyle": (0, (3, 2))}
     for angle in dims.empty_angles:
         at = centre * math.cos(angle), centre * math.sin(angle)
-        _circle(sheet, dims.roller_radius, "empty place", at, **empty)
+        sheet.circle(dims.roller_radius, "empty place", at, **empty)
     filled = {"facecolor": BODY_COLOURS["roller"], "zorder": 2}
     for angle in dims.roller_angles:
         x, y = at = centre * math.cos(angle), centre * math.sin(angle)
-        _circle(sheet, dims.roller_radius, "roller", at, **filled)
+        sheet.circle(dims.roller_radius, "roller", at, **filled)
         if dims.roller_bore_radius:
-            _circle(sheet, dims.roller_bore_radius, "roller bore", at, facecolor="white", zorder=2)
-        sheet.line((x - cross, x + cross), (y, y), zorder=3, lw=0.4)
-        sheet.line((x, x), (y - cross, y + cross), zorder=3, lw=0.4)
+            sheet.circle(dims.roller_bore_radius, "roller bore", at, facecolor="white", zorder=2)
+        sheet.line((x - cross, x + cross), (y, y), body="roller", zorder=3, lw=0.4)
+        sheet.line((x, x), (y - cross, y + cross), body="roller", zorder=3, lw=0.4)
     turn = [math.pi * step / 90 for step in range(181)]
     sheet.centre_line([centre * math.cos(t) for t in turn], [centre * math.sin(t) for t in turn])
     reach = dims.drawn_outer_radius + sheet.paper(1.5)
@@ -75,18 +66,18 @@ def _rollers(sheet: Sheet, dims: DrawingDimensions) -> None:
     sheet.centre_line((0, 0), (-reach, reach))
 
 
-def _contacts(sheet: Sheet, dims: DrawingDimensions) -> None:
-    for contact, face in ((dims.screw_contact, "#d55e00"), (dims.nut_contact, "#0072b2")):
+def _contacts(sheet: Canvas, dims: DrawingDimensions) -> None:
+    for contact, side in ((dims.screw_contact, "screw"), (dims.nut_contact, "nut")):
         if contact is None:
             continue
         xs, ys = [], []
         for angle in dims.roller_angles:
             xs.append(contact.x * math.cos(angle) - contact.y * math.sin(angle))
             ys.append(contact.x * math.sin(angle) + contact.y * math.cos(angle))
-        sheet.axes.plot(xs, ys, "o", ms=2.6, mfc=face, mec="white", mew=0.3, zorder=4)
+        sheet.marks(xs, ys, side)
 
 
-def _dimensions(sheet: Sheet, dims: DrawingDimensions) -> None:
+def _dimensions(sheet: Canvas, dims: DrawingDimensions) -> None:
     outer, a, r = dims.drawn_outer_radius, dims.centre_distance, dims.roller_radius
 
     def level(number: Length, sign: int = 1) -> float:

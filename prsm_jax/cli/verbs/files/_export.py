@@ -1,0 +1,175 @@
+"""The verb export: drawings, workbooks, histories and tables for other programs."""
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from ...._errors import PrsmError, UnknownNameError, closest
+from ....dynamics import default_scenario, simulate, steady_state
+from ....mechanism import Mechanism
+from ....process import make_folder
+from ....quantities import catalogue
+from ....results import Result
+from ....scenario import depends_on_motion
+from ..._app import app
+from ..._common import Common, emit, words_of
+from ..._progress import doing, expect_programs
+
+_DEFAULT = Common()
+_FOLDER = "out/export"
+
+
+@dataclasses.dataclass(frozen=True)
+class _Wanted:
+    """A mechanism to export: its file, the folder, and the result that is asked for."""
+
+    mechanism: Mechanism
+    file: str
+    folder: Path
+    result: Literal["transient", "steady"]
+
+    def path(self, ending: str) -> Path:
+        """A path named after the file, such as `out/actuator.dxf` or `out/actuator-steady.mat`."""
+        return self.folder / f"{Path(self.file).stem}{ending}"
+
+
+def _dxf(wanted: _Wanted) -> list[Path]:
+    from ....exchange import write_dxf
+
+    stages = range(1, len(wanted.mechanism.stages) + 1)
+    names = [".dxf"] if len(stages) == 1 else [f"-stage-{stage}.dxf" for stage in stages]
+    return [
+        write_dxf(wanted.path(name), wanted.mechanism, stage=stage)
+        for stage, name in zip(stages, names, strict=True)
+    ]
+
+
+def _xlsx(wanted: _Wanted) -> list[Path]:
+    from ....exchange import write_workbook
+    from ....report import analyse, origin_of_file
+
+    doing("analysing: contact, vibration, steady state, transient, strength")
+    origin = origin_of_file(wanted.file)
+    data = analyse(wanted.mechanism, source=wanted.file, origin=origin)
+    return [write_workbook(wanted.path(".xlsx"), data)]
+
+
+def _result(wanted: _Wanted) -> Result:
+    expect_programs("_transient" if wanted.result == "transient" else "steady_state")
+    if wanted.result == "steady":
+        return steady_state(wanted.mechanism)
+    return simulate(wanted.mechanism, default_scenario(wanted.mechanism))
+
+
+def _of_result(ending: str) -> Callable[[_Wanted], list[Path]]:
+    def write(wanted: _Wanted) -> list[Path]:
+        from ....exchange import export_result
+
+        path = wanted.path(f"-{wanted.result}{ending}")
+        return [export_result(_result(wanted), path)]
+
+    return write
+
+
+def _tables(wanted: _Wanted) -> list[Path]:
+    from ....exchange import write_duty_cycle, write_scenario
+
+    mechanism, written = wanted.mechanism, []
+    if mechanism.duty_cycle is not None:
+        written.append(write_duty_cycle(wanted.path("-duty-cycle.csv"), mechanism.duty_cycle))
+    scenario = mechanism.scenario
+    if scenario is not None and not depends_on_motion(scenario.load):
+        written.append(write_scenario(wanted.path("-scenario.csv"), scenario))
+    if not written:
+        raise PrsmError(
+            f"{wanted.file}: has no duty cycle, and no scenario whose load is a function of time; "
+            "there is no table to write"
+        )
+    return written
+
+
+def _toml(wanted: _Wanted) -> list[Path]:
+    from ....file import dump
+
+    path = wanted.path("-export.toml")
+    units = {quantity.name: quantity.unit for quantity in catalogue()}
+    dump(wanted.mechanism, path, units)
+    return [path]
+
+
+#: By the word of `--as`: the function that writes the files.
+_FORMATS: dict[str, Callable[[_Wanted], list[Path]]] = {
+    "dxf": _dxf,
+    "xlsx": _xlsx,
+    "mat": _of_result(".mat"),
+    "nc": _of_result(".nc"),
+    "csv": _of_result(".csv"),
+    "tables": _tables,
+    "toml": _toml,
+}
+
+
+def _formats(text: str) -> list[str]:
+    words = list(dict.fromkeys(words_of(text) or ()))
+    for word in words:
+        if word not in _FORMATS:
+            raise UnknownNameError(f"--as {word}: unknown format; {closest(word, _FORMATS)}")
+    if not words:
+        raise PrsmError(f"--as names no format; give some of {', '.join(_FORMATS)}")
+    return words
+
+
+@app.command
+def export(
+    file: str,
+    *,
+    as_: Annotated[
+        str,
+        Parameter(
+            name="--as",
+            help="Formats, separated by commas: dxf (drawing), xlsx (tables of the report); mat, "
+            "nc, csv (a result); tables (duty cycle and scenario as CSV); toml (the mechanism).",
+        ),
+    ],
+    result: Annotated[
+        Literal["transient", "steady"], Parameter(help="What mat, nc and csv hold.")
+    ] = "transient",
+    scenario: Annotated[
+        Path | None,
+        Parameter(
+            help="CSV file 'time [s], speed [rpm], load [kN]', or with torque in place of speed, "
+            "that replaces the scenario of the file."
+        ),
+    ] = None,
+    duty_cycle: Annotated[
+        Path | None,
+        Parameter(
+            help="CSV file 'duration [s], speed [rpm], load [kN]' that replaces the duty cycle."
+        ),
+    ] = None,
+    common: Common = _DEFAULT,
+) -> int:
+    """Write files for other programs: CAD, spreadsheets, MATLAB, readers of netCDF.
+
+    With --scenario or --duty-cycle, recorded data take the place of those of the file; `--as toml`
+    keeps them. Files are written to --out (default out/export) and named after the mechanism's.
+    """
+    formats = _formats(as_)
+    common.check_targets(_FOLDER)
+    mechanism = common.load(file)
+    if scenario is not None or duty_cycle is not None:
+        from ....exchange import read_duty_cycle, read_scenario
+
+        if scenario is not None:
+            mechanism = dataclasses.replace(mechanism, scenario=read_scenario(scenario))
+        if duty_cycle is not None:
+            mechanism = dataclasses.replace(mechanism, duty_cycle=read_duty_cycle(duty_cycle))
+    folder = make_folder(Path(_FOLDER) if common.out is None else common.out)
+    wanted = _Wanted(mechanism, file, folder, result)
+    written = {one: _FORMATS[one](wanted) for one in formats}
+    listed = [path for paths in written.values() for path in paths]
+    emit(common, {"files": written}, lambda: "\n".join(map(str, listed)))
+    return 0

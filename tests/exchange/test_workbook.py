@@ -1,0 +1,161 @@
+"""The workbook of a report, read by openpyxl: numbers against the mechanism, units in headings."""
+
+import dataclasses
+
+import openpyxl
+import pytest
+
+import prsm_jax as prsm
+from prsm_jax.exchange import write_workbook
+from prsm_jax.exchange._cells import columns_of, number_cell
+from prsm_jax.findings import StrengthCheck
+from prsm_jax.report import ReportData, Table
+
+#: Numbers in the report have four digits.
+FOUR_DIGITS = 5e-4
+CHECKS = (
+    StrengthCheck("static_safety", 1, 3.4567, 1.5, "1", False, 0.5661, "1", "pass"),
+    StrengthCheck("buckling_load", 1, 23456.0, None, "N", False, None, "1", "no limit"),
+    StrengthCheck("max_pressure", 1, 4.321e9, 4.2e9, "Pa", True, -0.0288, "1", "fail"),
+    StrengthCheck("axial_backlash", 1, 12.3e-6, 20e-6, "m", True, 7.7e-6, "m", "pass"),
+)
+
+
+@pytest.fixture(scope="module")
+def book(tmp_path_factory):
+    mechanism = dataclasses.replace(prsm.load("wu2022"), revision="2.10")
+    path = tmp_path_factory.mktemp("book") / "report.xlsx"
+    data = ReportData(mechanism=mechanism, title="", checks=CHECKS, source="=1+1")
+    assert write_workbook(path, data) == path
+    assert [one.name for one in path.parent.iterdir()] == ["report.xlsx"]
+    return openpyxl.load_workbook(path)
+
+
+def _rows(sheet):
+    return [[one for one in row if one is not None] for row in sheet.iter_rows(values_only=True)]
+
+
+def _table(sheet, caption):
+    """Headings and rows below a caption, up to an empty row, each row by the headings."""
+    rows = list(sheet.iter_rows(values_only=True))
+    start = next(i for i, row in enumerate(rows) if row[0] == caption)
+    heads = [one for one in rows[start + 1] if one is not None]
+    body = []
+    for row in rows[start + 2 :]:
+        if not any(one is not None for one in row):
+            break
+        body.append(dict(zip(heads, row, strict=False)))
+    return heads, body
+
+
+def test_checks_have_numbers_units_and_relations(book):
+    heads, rows = _table(book["Status"], "Checks")
+    assert heads[1:] == [
+        "value",
+        "unit",
+        "limit",
+        "unit of limit",
+        "limit is",
+        "margin",
+        "unit of margin",
+        "verdict",
+    ]
+    per_unit = {None: 1.0, "kN": 1e3, "MPa": 1e6, "µm": 1e-6, "%": 1e-2}
+    assert len(rows) == len(CHECKS)
+    for row, check in zip(rows, CHECKS, strict=True):
+        value = row["value"] * per_unit[row["unit"]]
+        assert value == pytest.approx(check.value, rel=FOUR_DIGITS)
+        assert row["verdict"] == check.verdict
+        if check.limit is None:
+            assert (row["limit"], row["limit is"], row["margin"]) == (None, None, None)
+            continue
+        limit = row["limit"] * per_unit[row["unit of limit"]]
+        assert limit == pytest.approx(check.limit, rel=FOUR_DIGITS)
+        assert row["limit is"] == ("at most" if check.at_most else "at least")
+        margin = row["margin"] * per_unit[row["unit of margin"]]
+        assert margin == pytest.approx(check.margin, rel=5e-3)
+
+
+def test_dimensions_of_the_mechanism_are_numbers_with_units(book):
+    thread = prsm.load("wu2022").stages[0].thread
+    heads, rows = _table(book["Mechanism"], "Mechanism")
+    assert heads == ["name", "value", "unit"]
+    found = {row["name"]: (row["value"], row.get("unit")) for row in rows}
+    for name, value in {
+        "lead": thread.lead,
+        "screw diameter": 2 * thread.screw_radius,
+        "centre distance": thread.centre_distance,
+    }.items():
+        assert found[name] == (pytest.approx(1e3 * float(value), abs=5e-4), "mm")
+    degrees = float(thread.contact_angle) * 180 / 3.141592653589793
+    assert found["contact angle (from the transverse plane)"] == (pytest.approx(degrees), "°")
+    assert found["rollers"] == (7, None)
+    # Two numbers in one cell are no number.
+    assert found["Young's modulus, Poisson's ratio"] == ("212 GPa, 0.29", None)
+
+
+def test_no_cell_is_a_formula_and_versions_stay_text(book):
+    for sheet in book:
+        for row in sheet.iter_rows():
+            assert all(cell.data_type in "ns" for cell in row)
+    made = {row["name"]: row["value"] for row in _table(book["Provenance"], "Made with")[1]}
+    assert made["mechanism from"] == "=1+1"
+    signed = {row["name"]: row["value"] for row in _table(book["Provenance"], "Responsible")[1]}
+    assert signed["revision"] == "2.10"
+
+
+def test_assumptions_are_a_sheet_with_the_section_of_each(book):
+    rows = _rows(book["Assumptions"])
+    assert rows[0] == ["section", "assumption"]
+    found = {tuple(row) for row in rows[1:]}
+    title = "Assumptions and parts left out"
+    assert {(title, words) for words in prsm.assumptions(prsm.load("wu2022"))} <= found
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("12.31\u202fN·m", (12.31, "N·m", "", 2)),
+        ("\N{MINUS SIGN}1.961", (-1.961, "", "", 3)),
+        ("7.5·10⁻⁵\u202fmm", (7.5e-5, "mm", "", 1)),
+        ("at most 4200\u202fMPa", (4200.0, "MPa", "at most", 0)),
+        ("45°", (45.0, "°", "", 0)),
+        ("90.47 %", (90.47, "%", "", 2)),
+    ],
+)
+def test_a_cell_is_a_number_with_a_unit(text, expected):
+    cell = number_cell(text)
+    assert (cell.value, cell.unit, cell.relation, cell.decimals) == expected
+
+
+@pytest.mark.parametrize(
+    "text", ["", "–", "0.11.0", "6 in 7 places", "carrier 1", "2026-11-24", "8c5caa", "12 apples"]
+)
+def test_other_text_stays_text(text):
+    assert number_cell(text) is None
+
+
+def test_a_unit_of_the_heading_is_written_in_brackets():
+    table = Table(
+        "",
+        ("mode", "frequency in Hz", "share", "mass"),
+        (("a", "839.13", "1 %", "3\u202fg"), ("b", "4847.5", "–", "4\u202fkg")),
+    )
+    columns = columns_of(table)
+    assert [one.heading for one in columns] == [
+        "mode",
+        "frequency [Hz]",
+        "share [%]",
+        "mass",
+        "unit of mass",
+    ]
+    assert columns[2].cells[1] == "–"
+    assert columns[4].cells == ("g", "kg")
+    assert columns_of(table, numbers=False)[1].cells == ("839.13", "4847.5")
+
+
+def test_another_ending_is_refused(tmp_path):
+    data = ReportData(mechanism=prsm.load("wu2022"), title="")
+    with pytest.raises(ValueError, match=r"must be \.xlsx"):
+        write_workbook(tmp_path / "report.xls", data)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,59 @@
+"""The verb export: the files that it names are there, with the numbers of the mechanism in SI."""
+
+import csv
+import math
+from pathlib import Path
+
+import pytest
+from expectations import reads
+from ezdxf.filemanagement import readfile
+
+import prsm_jax as prsm
+from prsm_jax.cli import main
+
+
+@reads("verb", "export")
+def test_export(run, tmp_path):
+    cycle = tmp_path / "recorded.csv"
+    cycle.write_text("duration [min],speed [rpm],load [kN]\n2,1200,4\n0.5,-300,-1.5\n")
+    words = ("export", "wu2022", "--as", "dxf,tables,toml", "--duty-cycle", cycle)
+    found, printed = run(*words)
+    names = {
+        "dxf": "out/export/wu2022.dxf",
+        "tables": "out/export/wu2022-duty-cycle.csv",
+        "toml": "out/export/wu2022-export.toml",
+    }
+    assert found == {"files": {kind: [name] for kind, name in names.items()}}
+    assert [line for (line,) in printed.lines] == list(names.values())
+    circles = readfile(Path(names["dxf"])).modelspace().query('CIRCLE[layer=="SCREW"]')
+    assert [circle.dxf.radius for circle in circles] == pytest.approx([12.0], rel=1e-12)
+    with Path(names["tables"]).open(newline="") as file:
+        headings, *rows = csv.reader(file)
+    assert headings == ["duration [s]", "speed [rad/s]", "load [N]"]
+    expected = [[120.0, 40 * math.pi, 4000.0], [30.0, -10 * math.pi, -1500.0]]
+    for row, numbers in zip(rows, expected, strict=True):
+        assert [float(cell) for cell in row] == pytest.approx(numbers, rel=1e-15)
+    kept = prsm.load(Path(names["toml"])).duty_cycle
+    assert [float(one) for one in kept.load] == [4000.0, -1500.0]
+    printed.lines.clear()
+    printed.finish()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--as", "xls"), "--as xls: unknown format; did you mean xlsx?"),
+        (("--as", ","), "--as names no format"),
+        (("--as", "tables"), "has no duty cycle"),
+        (("--as", "dxf", "--scenario", "absent.csv"), "absent.csv: there is no such file"),
+    ],
+)
+def test_what_cannot_be_exported_is_one_line_and_writes_nothing(
+    words, message, monkeypatch, tmp_path, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PRSM_JAX_CACHE", "")
+    assert main(["export", "wu2022", *words]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert message in line
+    assert not list(tmp_path.iterdir())
