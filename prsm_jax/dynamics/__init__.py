@@ -67,3 +67,4 @@ from .steady import (
     steady_meaning as steady_meaning,
     steady_state as steady_state,
 )
+from .torque_drive import has_smooth_threads as has_smooth_threads

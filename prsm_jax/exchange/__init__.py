@@ -10,3 +10,4 @@ from ._tables import (
     write_scenario as write_scenario,
 )
 from ._workbook import write_workbook as write_workbook
+from .fmu import write_fmu as write_fmu

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from expectations import reads
 from ezdxf.filemanagement import readfile
+from fmpy.validation import validate_fmu
 
 import prsm_jax as prsm
 from prsm_jax.cli import main
@@ -16,10 +17,11 @@ from prsm_jax.cli import main
 def test_export(run, tmp_path):
     cycle = tmp_path / "recorded.csv"
     cycle.write_text("duration [min],speed [rpm],load [kN]\n2,1200,4\n0.5,-300,-1.5\n")
-    words = ("export", "wu2022", "--as", "dxf,tables,toml", "--duty-cycle", cycle)
+    words = ("export", "wu2022", "--as", "dxf,fmu,tables,toml", "--duty-cycle", cycle)
     found, printed = run(*words)
     names = {
         "dxf": "out/export/wu2022.dxf",
+        "fmu": "out/export/wu2022.fmu",
         "tables": "out/export/wu2022-duty-cycle.csv",
         "toml": "out/export/wu2022-export.toml",
     }
@@ -33,6 +35,7 @@ def test_export(run, tmp_path):
     expected = [[120.0, 40 * math.pi, 4000.0], [30.0, -10 * math.pi, -1500.0]]
     for row, numbers in zip(rows, expected, strict=True):
         assert [float(cell) for cell in row] == pytest.approx(numbers, rel=1e-15)
+    assert validate_fmu(names["fmu"]) == []
     kept = prsm.load(Path(names["toml"])).duty_cycle
     assert [float(one) for one in kept.load] == [4000.0, -1500.0]
     printed.lines.clear()

@@ -1,4 +1,4 @@
-"""The verb export: drawings, workbooks, histories and tables for other programs."""
+"""The verb export: drawings, workbooks, histories, FMUs and tables for other programs."""
 
 import dataclasses
 from collections.abc import Callable
@@ -74,6 +74,12 @@ def _of_result(ending: str) -> Callable[[_Wanted], list[Path]]:
     return write
 
 
+def _fmu(wanted: _Wanted) -> list[Path]:
+    from ....exchange import write_fmu
+
+    return [write_fmu(wanted.path(".fmu"), wanted.mechanism)]
+
+
 def _tables(wanted: _Wanted) -> list[Path]:
     from ....exchange import write_duty_cycle, write_scenario
 
@@ -107,6 +113,7 @@ _FORMATS: dict[str, Callable[[_Wanted], list[Path]]] = {
     "mat": _of_result(".mat"),
     "nc": _of_result(".nc"),
     "csv": _of_result(".csv"),
+    "fmu": _fmu,
     "tables": _tables,
     "toml": _toml,
 }
@@ -131,7 +138,8 @@ def export(
         Parameter(
             name="--as",
             help="Formats, separated by commas: dxf (drawing), xlsx (tables of the report); mat, "
-            "nc, csv (a result); tables (duty cycle and scenario as CSV); toml (the mechanism).",
+            "nc, csv (a result); fmu (FMI 3.0, driven by a torque); tables (duty cycle and "
+            "scenario as CSV); toml (the mechanism).",
         ),
     ],
     result: Annotated[
@@ -152,7 +160,7 @@ def export(
     ] = None,
     common: Common = _DEFAULT,
 ) -> int:
-    """Write files for other programs: CAD, spreadsheets, MATLAB, readers of netCDF.
+    """Write files for other programs: CAD, spreadsheets, MATLAB, netCDF, simulators with FMI.
 
     With --scenario or --duty-cycle, recorded data take the place of those of the file; `--as toml`
     keeps them. Files are written to --out (default out/export) and named after the mechanism's.
