@@ -14,8 +14,9 @@
 # %% [markdown]
 # # From a file that describes a roller screw to a better roller screw
 #
-# An electromechanical actuator with a planetary roller screw is analysed, differentiated and
-# improved. This is what `make demo` does, in Python.
+# The roller screw of an electromechanical actuator carries 12 kN. **The question:** is this design
+# within its limits of pressure, stiffness and size, and which one within them wastes the least
+# power? It is analysed, differentiated and improved here. This is what `make demo` does, in Python.
 
 # %%
 import equinox as eqx
@@ -96,8 +97,7 @@ report.sensitivity_bars(table.quantities, table.parameters, table.elasticity)
 # %% [markdown]
 # ## A better design
 # The file's `[optimise]` table asks for the highest efficiency within limits on contact pressure,
-# the lowest torsional frequency of the meshes, axial stiffness, nut diameter, roller clearance
-# and torque.
+# axial stiffness, nut diameter, first axial frequency, roller clearance and torque.
 
 # %%
 best = prsm.optimise(mechanism)
@@ -105,8 +105,8 @@ print(best)
 assert best.converged
 
 # %% [markdown]
-# It is better in every requested respect: the first design violated four of the limits. The
-# constraints that limit the optimum are listed, with the gain from a slightly wider limit.
+# The first design violates four of the limits, the optimum none. The constraints that limit the
+# optimum are listed, with the gain from a slightly wider limit.
 
 # %%
 for constraint in best.constraints:
@@ -120,7 +120,7 @@ report.cross_section({"before": mechanism, "after": best.mechanism})
 # %% [markdown]
 # ## Around the optimum
 # A sweep over lead and contact angle, everything else as in the optimum: no design inside the
-# limits on pressure and torque is better (all others are left white).
+# limits on pressure and torque is better (outside is hatched).
 
 # %%
 data = prsm.sweep(
@@ -128,5 +128,14 @@ data = prsm.sweep(
     {"lead": np.linspace(6e-3, 12e-3, 61), "contact_angle": np.radians(np.linspace(40, 60, 81))},
     quantities=["efficiency", "max_pressure_shared", "drive_torque"],
 )
-allowed = (data.max_pressure_shared <= 2.1e9) & (data.drive_torque <= 25)
-report.sweep_map(data.where(allowed), "efficiency")
+limits = {"max_pressure_shared": (None, 2.1e9), "drive_torque": (None, 25.0)}
+report.sweep_figure(data, "efficiency", constraints=limits)
+
+# %% [markdown]
+# ## Answer
+# No: the first design is too large and too soft, and its most loaded thread has 2300 MPa where 2100
+# are allowed. The best one within all limits has a lead of 11.28 mm, a contact angle of 46.5° and
+# rollers of 3.8 mm radius: 1989 MPa, and an efficiency of 86.17 % in place of 85.87 %. Stiffness,
+# diameter, torque and the play between the teeth stop it from becoming better.
+#
+# Next: [which frequencies does such a roller screw have?](02_vibration.ipynb)

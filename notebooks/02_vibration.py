@@ -16,6 +16,8 @@
 #
 # The single stage of Wu et al. 2022 has 7 rollers. Screw, ring gear and nut move sideways and
 # turn, the rollers and the carrier turn: 17 degrees of freedom, joined by contacts and supports.
+# **Three questions:** what decides its natural frequencies, how do they change when a roller wears,
+# and why does the published table have others?
 
 # %%
 import dataclasses
@@ -258,6 +260,8 @@ report.response_chart(
 
 # %%
 chart = eqx.filter_jit(lambda m: prsm.campbell(m, harmonics=1))(mechanism)
+for crossing in chart.crossings(1500.0, excited_only=True):
+    print(f"{crossing.speed_rpm:.0f} rpm: {crossing.order}, {crossing.frequency:.1f} Hz")
 report.campbell_chart(chart, 1500.0)
 
 # %% [markdown]
@@ -290,3 +294,14 @@ for row in rows:
 for finding in prsm.check(mechanism):
     if finding.severity == "warning":
         print(f"{finding.name}: {finding.message}\n")
+
+# %% [markdown]
+# ## Answer
+# Supports hold the lowest mode, 293.3 Hz; contacts hold the others nearly alone from 3604.0 Hz on,
+# where 91 % of the strain energy is theirs. Two screw speeds meet a mode that they can excite: 4016
+# and 6719 rpm. If one roller wears, every repeated root splits: 22838.8 Hz falls by 6525.4 Hz per unit
+# of wear, or not at all. Slopes through a dense eigensolver miss this without a warning. The
+# published values are those of a matrix with wrong signs: where the table prints 4312 Hz, the stable
+# structure has 293.3 Hz.
+#
+# Next: [how do the rollers come up to speed, and what does it cost?](03_dynamics.ipynb)

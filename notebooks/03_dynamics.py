@@ -15,7 +15,9 @@
 # # Dynamics of two stages: settling, missions, sticking, and derivatives of all that
 #
 # Two stages in series, after Li et al. 2021: the nut of the first carries the screw of the second,
-# both screws turn together through a spline. Threads and spline have Coulomb friction.
+# both screws turn together through a spline. Threads and spline have Coulomb friction. **Three
+# questions:** where does the power go, how fast do the rollers follow the screw, and which contact
+# angles lose the least energy in a mission?
 
 # %%
 import dataclasses
@@ -60,6 +62,8 @@ simulate = eqx.filter_jit(prsm.simulate)
 scene = prsm.Scenario(speed=100.0, load=5000.0, duration=1e-3)
 run = simulate(mechanism, scene)
 print(run.solver.name, "-", choose_method(mechanism, scene).reason)
+settled, _ = prsm.dynamics.settling_time(run.time, run.carrier_ratio, band=0.01)
+print("within 1 % after", ", ".join(f"{1e3 * t:.3f} ms" for t in settled))
 report.history_chart(mechanism, run)
 
 # %% [markdown]
@@ -247,3 +251,12 @@ print(f"energy lost {before:.3f} J, then {found.fun:.3f} J after {found.nit} ste
 print(f"angles {np.degrees(found.x[0]):.3f}° and {np.degrees(found.x[1]):.3f}°")
 print(f"one stage: {45 + half:.3f}° when the screw drives, {45 - half:.3f}° when the load does")
 assert 45 - half < np.degrees(found.x).min() < np.degrees(found.x).max() < 45 + half
+
+# %% [markdown]
+# ## Answer
+# Of the motor's power 80.60 % reaches the load at 19.75 N·m; sliding in the threads takes nearly all
+# of the rest. The carriers of both stages come within 1 % of their speed after 0.134 and 0.305 ms, so
+# in missions of seconds they need not be integrated: the error is about 1e-06. With contact angles of
+# 46.0° and 45.8° the mission loses 264.4 J in place of 280.3 J.
+#
+# Next: [how much can the contacts carry, and for how long?](04_contact.ipynb)
