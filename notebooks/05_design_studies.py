@@ -159,8 +159,8 @@ report.calibration_chart(fit)
 # %% [markdown]
 # ## Answer
 # A contact angle of 50.8° and a lead of 11.2 mm: 1918 MPa and 13.80 N·m in the mean. With the given
-# tolerances all 1024 random designs are within the limits; the angle decides the pressure, with 97.0 %
-# of its variance, and friction the torque, with 97.6 %. The fit finds the coefficient 0.0565 with
-# 95 % limits of 0.0539 and 0.0590, so the assumed 0.05 is too low.
+# tolerances all 1024 random designs are within the limits; the angle decides the pressure, with
+# 97.0 % of its variance, and friction the torque, with 97.6 %. The fit finds the coefficient 0.0565
+# with 95 % limits of 0.0539 and 0.0590, so the assumed 0.05 is too low.
 #
 # Next: [what does a digit cost?](06_accuracy_and_speed.ipynb)

@@ -15,9 +15,9 @@
 # # Accuracy and speed: what does a digit cost?
 #
 # Approximations, loose tolerances and single precision save time and cost digits. **The question:**
-# which of them are worth it? `prsm bench` measures every method of this package and its rivals against references of
-# higher precision, and writes the results into one JSON file, which this notebook reads. Then it
-# measures three things itself.
+# which of them are worth it? `prsm bench` measures every method of this package and its rivals
+# against references of higher precision, and writes the results into one JSON file, which this
+# notebook reads. Then it measures three things itself.
 
 # %%
 import json
@@ -173,7 +173,7 @@ assert abs(pair[1] / pair[0] - 1) < 1e-5
 
 # %% [markdown]
 # ## Answer
-# The defaults first: 43 of 46 are on the front. Batches for sweeps, exact derivatives always,
+# The defaults first: nearly all lie on the front. Batches for sweeps, exact derivatives always,
 # approximations to reproduce a published formula. Single precision keeps six digits of the
 # efficiency, 0.904719, which is enough for maps of very many designs.
 #

@@ -22,8 +22,9 @@
 # ## Motion in space
 # The model of notebook 02 has no motion along the axis. `spatial_modal` lets every body move in
 # $x$, $y$, $z$ and turn about $z$, and each thread is a spring along its true normal. The table
-# `[axis]` of the file adds what is around the roller screw: motor, coupling, the screw as an elastic
-# shaft, thrust tube and load. The stiffness of the shaft depends on the position of the nut.
+# `[axis]` of the file adds what is around the roller screw: motor, coupling, the screw as an
+# elastic shaft, thrust tube and load. The stiffness of the shaft depends on the position of the
+# nut.
 
 # %%
 import equinox as eqx
@@ -63,14 +64,17 @@ for row, at in (("middle", 4), ("far end", 8)):
 
 # %% [markdown]
 # The first torsional mode is the position loop itself: everything that turns and moves, on the gain
-# of the controller. In the first axial mode the load swings against the motor. With the motor held,
-# the load swings a little slower: at this *anti-resonance* the motor does not feel the load, so a
-# loop that measures at the motor cannot damp it. A rule of thumb keeps the loop five times below.
+# of the controller. In the first axial mode the load swings against the motor. At the
+# *anti-resonance*, the first mode with the motor held, the load swings and the motor stands still:
+# a loop that measures at the motor does not see it. The loop should be five times slower, as in the
+# `[optimise]` table of the file.
 
 # %%
 limit = 5 * positions["position_loop_frequency"]
 enough = positions["antiresonance_frequency"] >= limit
-print(f"limit {limit[8]:.1f} Hz; kept up to a nut distance of {1e3 * distances[enough].max():.0f} mm")
+print(
+    f"limit {limit[8]:.1f} Hz; kept up to a nut distance of {1e3 * distances[enough].max():.0f} mm"
+)
 charted = {name: positions[name] for name in report.NUT_POSITION_QUANTITIES}
 report.nut_position_chart(distances, charted, given=0.25)
 
@@ -85,13 +89,13 @@ far = prsm.set_parameter(axis, "nut_distance", 0.45)
 modes = eqx.filter_jit(lambda m: prsm.spatial_modal(m, shapes=True))(far)
 first = next(mode for mode in modes.elastic_modes() if mode.family == "axial")
 for name, share in list(first.strain.items())[:5]:
-    print(f"{name.replace('_', ' '):21} {100 * share:4.1f} % of the energy at {first.frequency:.1f} Hz")
+    print(f"{first.frequency:.1f} Hz: {100 * share:4.1f} % in {name.replace('_', ' ')}")
 report.axis_mode_shapes(far, modes, count=3)
 
 # %% [markdown]
-# Threads hold a small share: a stiffer nut would not help. The screw itself holds most of it; without
-# another diameter, thrust tube and thrust bearing are left. Two pairs of bearings, a tube with
-# half as much more cross-section, and both:
+# Threads hold a small share: a stiffer nut would not help. The screw itself holds most of it;
+# without another diameter, thrust tube and thrust bearing are left. As it is, with a tube of 1.5
+# times the cross-section, with two pairs of bearings, and with both:
 
 # %%
 for (_, bearing, tube), value in zip(rows[8:], found["antiresonance_frequency"][8:], strict=True):
@@ -110,8 +114,8 @@ report.axis_compliance_chart(axis_compliance(stiffer, np.geomspace(5.0, 500.0, 3
 # ## The family
 # Four types of roller screws, each drawn from its example. In the standard type the rollers keep
 # their place in the nut; the inverted one has them around the screw, which is the rod while the nut
-# turns. Rollers of the recirculating type have grooves, and a cam lifts them back once per orbit. In
-# the differential type the nut has grooves, too.
+# turns. Rollers of the recirculating type have grooves, and a cam lifts them back once per orbit.
+# In the differential type the nut has grooves, too.
 
 # %%
 types = {
@@ -150,8 +154,8 @@ for name, mechanism in types.items():
     )
 
 # %% [markdown]
-# The type decides what turns, the lead and whether rollers wander, but hardly the efficiency. The
-# travel of the differential type is no fixed number, since its carrier's speed depends on friction:
+# The type decides what turns, the lead and whether rollers migrate, but hardly the efficiency. The
+# travel of the differential type depends on friction, as the speed of its carrier does, but little:
 
 # %%
 for coefficient in (0.06, 0.08, 0.10):
@@ -161,8 +165,8 @@ for coefficient in (0.06, 0.08, 0.10):
     print(f"differential, friction {coefficient:.2f}: {travel:.4f} mm per turn")
 
 # %% [markdown]
-# Gears may make rollers wander in the other types, too: one tooth too many on the screw of the
-# inverted example, and the finding of `prsm check` that tells it.
+# Gears that do not match the thread make rollers migrate in the other types, too. One tooth too
+# many on the screw of the inverted example (`prsm check` finds it):
 
 # %%
 text = prsm.file.example_text("humanoid_leg")
@@ -172,8 +176,8 @@ print(f"81 teeth for 80: rollers creep {1e3 * float(creep[0]):+.4f} mm per turn 
 
 # %% [markdown]
 # ## A catalogue as witness
-# A maker prints 90 roller screws of 8 to 120 mm. Rules build a mechanism from the dimensions of each
-# size; six numbers of the rules are fitted to every second diameter. How well are the others
+# A maker prints 90 roller screws of 8 to 120 mm. Rules build a mechanism from the dimensions of
+# each size; six numbers of the rules are fitted to every second diameter. How well are the others
 # predicted?
 
 # %%
@@ -191,14 +195,14 @@ report.catalogue_chart(comparison)
 # %% [markdown]
 # ## Answer
 # * **The position loop** of 19.8 Hz may be used up to a nut distance of 300 mm. At the far end the
-#   anti-resonance, 91.4 Hz, is below five times the loop, 98.8 Hz. A second pair of thrust bearings and
-#   a tube with 1.5 times the cross-section raise it to 99.1 Hz; stiffer threads would not, as they hold
-#   3.1 % of the energy at the screw.
+#   anti-resonance, 91.4 Hz, is below five times the loop, 98.8 Hz. A second pair of thrust bearings
+#   and a tube with 1.5 times the cross-section raise it to 99.1 Hz; stiffer threads would hardly,
+#   as those of the screw hold 3.1 % of the energy.
 # * **Another type** would not need less torque per lead: with the same friction the threads of all
-#   types have efficiencies of 85.15 to 85.19 %. The type decides what turns and how far: 10 mm per turn
-#   with 5 starts, 0.6245 mm in the differential example.
-# * **The catalogue** agrees: of the sizes that the rules were not fitted to, 90 % are within 10.8 % of
-#   the printed static and 6.3 % of the dynamic capacity.
+#   types have efficiencies of 85.15 to 85.19 %. The type decides what turns and how far: 10 mm per
+#   turn with 5 starts, 0.6245 mm in the differential example.
+# * **The catalogue** agrees: of the sizes that the rules were not fitted to, 90 % are within 10.8 %
+#   of the printed static and 6.3 % of the dynamic capacity.
 #
 # More: [vibration](../docs/vibration.md), [types of roller screws](../docs/types.md), [the
 # catalogue](../docs/catalogue_witness.md).

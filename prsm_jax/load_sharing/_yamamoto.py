@@ -52,7 +52,8 @@ def tooth_compliance(
       (D² + d²)/(D² − d²) + ν for a sleeve of outer diameter D
 
     Source: Yamamoto, A., The Theory and Computation of Threads Connection (1980); the sums for
-    bending and shear are those of a wedge-shaped beam. Flanks in axial sections are taken as straight.
+    bending and shear are those of a wedge-shaped beam. Flanks in axial sections are taken as
+    straight.
 
     **Arguments:**
 
