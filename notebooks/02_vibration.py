@@ -16,6 +16,8 @@
 #
 # The single stage of Wu et al. 2022 has 7 rollers. Screw, ring gear and nut move sideways and
 # turn, the rollers and the carrier turn: 17 degrees of freedom, joined by contacts and supports.
+# **Three questions:** what decides its natural frequencies, how do they change when a roller wears,
+# and why does the published table have others?
 
 # %%
 import dataclasses
@@ -177,11 +179,12 @@ def share(scale):
 
 
 one, step = jnp.ones(()), 1e-5
-value, slope = jax.jit(jax.value_and_grad(share))(one)
-differences = (jax.jit(share)(one + step) - jax.jit(share)(one - step)) / (2 * step)
-print(f"share {value:.6f}, plain {jax.jit(plain_share)(one):.6f}")
-print(f"derivative: differences {differences:.8f}, here {slope:.8f}")
-print(f"            plain {jax.jit(jax.grad(plain_share))(one):.3g}")
+here, plainly = (jax.jit(jax.value_and_grad(function)) for function in (share, plain_share))
+value, slope = here(one)
+differences = (here(one + step)[0] - here(one - step)[0]) / (2 * step)
+plain_value, plain_slope = plainly(one)
+print(f"share {value:.6f}, plain {plain_value:.6f}")
+print(f"derivative: differences {differences:.8f}, here {slope:.8f}, plain {plain_slope:.3g}")
 assert abs(slope - differences) < 1e-7
 
 # %% [markdown]
@@ -194,7 +197,7 @@ supports = lowest(mechanism).stages[0].nut.support
 print(f"d f / d nut support: {float(supports.radial_stiffness) * 1e6:.3f} Hz per N/µm")
 
 # %% [markdown]
-# ## Rollers that differ, are missing, or move sideways
+# ## Rollers that differ or are missing
 # A file can define this. Two such rollers are enough to break the symmetry: every pair has split,
 # and modes that were pure are mixed.
 
@@ -227,16 +230,6 @@ worn_roller = prsm.vibration.frequency_loci(
 report.frequency_loci_chart(worn_roller)
 
 # %% [markdown]
-# Table 4 of the paper lists a bending stiffness of the roller that its model never uses. If it is
-# given as the stiffness of the roller's pins, rollers move in translation, like planets in a gear:
-
-# %%
-moving = prsm.loads(text + '\n[stage.roller.support]\nradial_stiffness = "2.199e5 N/m"\n')
-free = modal(moving, shapes=True)
-print(len(free.frequencies), "degrees of freedom; lowest five modes in Hz:")
-print(", ".join(f"{free.frequencies[k]:.0f} {free.families[k]}" for k in range(5)))
-
-# %% [markdown]
 # ## Forced vibration
 # The response of the nut to a torque and to a sideways force at the screw, with 1 % of critical
 # damping in every mode. A torque excites the torsional modes only.
@@ -258,6 +251,8 @@ report.response_chart(
 
 # %%
 chart = eqx.filter_jit(lambda m: prsm.campbell(m, harmonics=1))(mechanism)
+for crossing in chart.crossings(1500.0, excited_only=True):
+    print(f"{crossing.speed_rpm:.0f} rpm: {crossing.order}, {crossing.frequency:.1f} Hz")
 report.campbell_chart(chart, 1500.0)
 
 # %% [markdown]
@@ -290,3 +285,14 @@ for row in rows:
 for finding in prsm.check(mechanism):
     if finding.severity == "warning":
         print(f"{finding.name}: {finding.message}\n")
+
+# %% [markdown]
+# ## Answer
+# Supports hold the lowest mode, 293.3 Hz; contacts hold the others nearly alone from 3604.0 Hz on,
+# where 91 % of the strain energy is theirs. Two screw speeds meet a mode that they can excite: 4016
+# and 6719 rpm. If one roller wears, every repeated root splits: 22838.8 Hz falls by 6525.4 Hz per
+# unit of wear, or not at all. Slopes through a dense eigensolver miss this without a warning. The
+# published values are those of a matrix with wrong signs: where the table prints 4312 Hz, the
+# stable structure has 293.3 Hz.
+#
+# Next: [how do the rollers come up to speed, and what does it cost?](03_dynamics.ipynb)

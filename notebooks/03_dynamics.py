@@ -15,7 +15,9 @@
 # # Dynamics of two stages: settling, missions, sticking, and derivatives of all that
 #
 # Two stages in series, after Li et al. 2021: the nut of the first carries the screw of the second,
-# both screws turn together through a spline. Threads and spline have Coulomb friction.
+# both screws turn together through a spline. Threads and spline have Coulomb friction. **Three
+# questions:** where does the power go, how fast do the rollers follow the screw, and which contact
+# angles lose the least energy in a mission?
 
 # %%
 import dataclasses
@@ -60,6 +62,8 @@ simulate = eqx.filter_jit(prsm.simulate)
 scene = prsm.Scenario(speed=100.0, load=5000.0, duration=1e-3)
 run = simulate(mechanism, scene)
 print(run.solver.name, "-", choose_method(mechanism, scene).reason)
+settled, _ = prsm.dynamics.settling_time(run.time, run.carrier_ratio, band=0.01)
+print("within 1 % after", ", ".join(f"{1e3 * t:.3f} ms" for t in settled))
 report.history_chart(mechanism, run)
 
 # %% [markdown]
@@ -72,21 +76,17 @@ report.force_orbit(mechanism, run)
 
 # %%
 folder = tempfile.mkdtemp()
-Image(report.save_motion_animation(f"{folder}/motion", mechanism, run, frames=30).read_bytes())
+Image(report.save_motion_animation(f"{folder}/motion", mechanism, run, frames=20).read_bytes())
 
 # %% [markdown]
 # ## Which solver, and how wrong is it?
-# At constant speed and load Coulomb friction has a solution in closed form, which makes the true
-# error of every integrator visible. The tolerance alone says little about the error: all of these
-# runs use 10⁻⁶.
+# The run above is a closed form, which exists at constant speed and load with Coulomb friction. It
+# makes the true error of an integrator visible, here with a tolerance of 10⁻⁶:
 
 # %%
-exact = simulate(mechanism, scene, method="closed_form").carrier_ratio
-print("solver                    steps   error of the carrier ratio")
-for method in ("explicit", "rosenbrock"):
-    other = simulate(mechanism, scene, method=method, rtol=1e-6, atol=1e-8)
-    error = float(jnp.abs(other.carrier_ratio - exact).max())
-    print(f"{other.solver.name:24} {int(other.solver.steps):6d}   {error:.1e}")
+other = simulate(mechanism, scene, method="rosenbrock", rtol=1e-6, atol=1e-8)
+error = float(jnp.abs(other.carrier_ratio - run.carrier_ratio).max())
+print(f"{other.solver.name}: {int(other.solver.steps)} steps, error {error:.1e}")
 
 # %% [markdown]
 # By default, `simulate` chooses a method for the scenario, and `choose_method` says why. The
@@ -130,7 +130,7 @@ shaken = prsm.TorqueScenario(
     duration=0.4,
     samples=401,
 )
-stuck = simulate(mechanism, shaken)
+stuck = simulate(mechanism, shaken, method="quasi_steady")
 phases = stuck.phases
 for start, end, mode in zip(phases.start, phases.end, phases.mode, strict=True):
     if end > start:
@@ -155,33 +155,29 @@ def at(values):
     return found
 
 
-def figures(values):
+def figures_twice(values):
     design = at(values)
     run = prsm.simulate(design, scene, method="closed_form", throw=False)
     settled, _ = prsm.dynamics.settling_time(run.time, run.carrier_ratio[1], band=0.01)
     peak = prsm.dynamics.peak(run.screw_roller_axial_force[0])
     efficiency = prsm.steady_state(design, 100.0, 5000.0).efficiency
-    return jnp.stack([efficiency, peak, settled, prsm.dynamics.energy(run, "loss")])
+    found = jnp.stack([efficiency, peak, settled, prsm.dynamics.energy(run, "loss")])
+    return found, found  # the second is the value beside the derivative
 
 
 start = jnp.stack([prsm.get_parameter(mechanism, name) for name in NAMES])
-compute = jax.jit(figures)
-slopes = jax.jit(jax.jacfwd(figures))(start)
+slopes_and_values = jax.jit(jax.jacfwd(figures_twice, has_aux=True))
+slopes, values = slopes_and_values(start)
 steps = 1e-5 * start
-differences = jnp.stack(
-    [
-        (compute(start.at[k].add(h)) - compute(start.at[k].add(-h))) / (2 * h)
-        for k, h in enumerate(steps)
-    ],
-    axis=1,
-)
+ends = [[slopes_and_values(start.at[k].add(h))[1] for h in (s, -s)] for k, s in enumerate(steps)]
+differences = jnp.stack([(a - b) / (2 * s) for (a, b), s in zip(ends, steps, strict=True)], axis=1)
 print("relative change in % per % of:   ", "  ".join(n.split(".", 1)[1] for n in NAMES))
 for row, value, name in zip(
-    slopes, compute(start), ("efficiency", "peak force", "settling", "energy lost"), strict=True
+    slopes, values, ("efficiency", "peak force", "settling", "energy lost"), strict=True
 ):
     elasticity = row * start / value
     print(f"{name:14}", "  ".join(f"{e:12.5f}" for e in elasticity))
-wrong = jnp.abs(slopes - differences) * start / compute(start)[:, None]
+wrong = jnp.abs(slopes - differences) * start / values[:, None]
 print(f"largest difference from central differences {wrong.max():.1e}")
 assert wrong.max() < 1e-4
 
@@ -247,3 +243,12 @@ print(f"energy lost {before:.3f} J, then {found.fun:.3f} J after {found.nit} ste
 print(f"angles {np.degrees(found.x[0]):.3f}° and {np.degrees(found.x[1]):.3f}°")
 print(f"one stage: {45 + half:.3f}° when the screw drives, {45 - half:.3f}° when the load does")
 assert 45 - half < np.degrees(found.x).min() < np.degrees(found.x).max() < 45 + half
+
+# %% [markdown]
+# ## Answer
+# Of the motor's power 80.60 % reaches the load at 19.75 N·m; sliding in the threads takes nearly
+# all of the rest. The carriers of both stages come within 1 % of their speed after 0.102 and 0.318
+# ms, so in missions of seconds they need not be integrated: the error is about 1e-06. With contact
+# angles of 46.0° and 45.8° the mission loses 264.4 J in place of 280.3 J.
+#
+# Next: [how much can the contacts carry, and for how long?](04_contact.ipynb)

@@ -17,10 +17,12 @@
 # The whole load of a roller screw passes through contacts of a fraction of a millimetre. Hertz
 # theory gives a closed form; where a flank ends, where threads share the load unequally or where
 # rings touch along a line, more is needed. One mechanism shows it all: an actuator of 10 rollers
-# with 20 loaded threads each, under 12 kN.
+# with 20 loaded threads each, under 12 kN. **The question:** how high is the pressure really, and
+# how long do the flanks live?
 
 # %%
 import dataclasses
+import functools
 
 import equinox as eqx
 import jax
@@ -55,7 +57,7 @@ def pressure_and_approach(mechanism, method):
 
 
 by_method = eqx.filter_jit(pressure_and_approach)
-exact = by_method(mechanism, "exact")
+exact = jnp.stack([pair.screw.hertz.max_pressure, pair.screw.hertz.approach])
 print("method                error of p₀   error of the approach")
 for method in ("antoine", "power", "lisowski", "hamrock_brewe", "hamrock_brewe_log"):
     error = by_method(mechanism, method) / exact - 1
@@ -82,10 +84,11 @@ solve = eqx.filter_jit(
         stage, "screw", load, (64, 64), extent=1.6, edge_radius=0.1e-3
     )
 )
-low = eqx.tree_at(lambda s: s.thread.roller_addendum, stage, jnp.asarray(0.08e-3))
+crest = jnp.full_like(stage.thread.roller_addendum, 0.08e-3)
+low = eqx.tree_at(lambda s: s.thread.roller_addendum, stage, crest)
 load = mechanism.operating_point.load
 whole, cut = solve(stage, load), solve(low, load)
-for name, found in (("whole flank", whole), ("low crest", cut)):
+for name, found in (("whole flank", whole), ("crest 0.08 mm high", cut)):
     ratio = found.surface.max_pressure / found.hertz.max_pressure
     print(f"{name}: {found.surface.max_pressure / 1e6:.0f} MPa, {ratio:.3f} times Hertz")
 report.pressure_map({"whole flank": whole, "crest 0.08 mm high": cut})
@@ -99,6 +102,9 @@ report.pressure_map({"whole flank": whole, "crest 0.08 mm high": cut})
 # %%
 split = prsm.load("actuator_load_sharing")
 shared = eqx.filter_jit(load_distribution)(split)
+for side in ("screw", "nut"):
+    factor = float(getattr(shared, side).thread_sharing_factor)
+    print(f"{side} side: the most loaded thread has {factor:.2f} times the mean")
 report.thread_load_chart(shared)
 
 # %%
@@ -146,10 +152,20 @@ for name in ("lead_angle", "centre_distance", "screw_profile_angle", "roller_pro
 
 # %%
 names = ("static_capacity", "static_safety", "dynamic_capacity", "equivalent_load", "rating_life")
-values = eqx.filter_jit(lambda m: prsm.compute(m, names))(mechanism)
+
+
+@jax.jit
+@functools.partial(jax.grad, has_aux=True)
+def slope_and_values(mechanism):
+    values = prsm.compute(mechanism, names)
+    return jnp.log(values["rating_life"][0]), values
+
+
+slope, values = slope_and_values(mechanism)
 units = {quantity.name: quantity.unit for quantity in prsm.quantities.catalogue()}
 for name, value in values.items():
     print(f"{name:18} {float(np.squeeze(value)):12.5g} {units[name]}")
+print(f"{float(values['rating_life'][0]) / 1e6:.0f} million turns")
 
 # %%
 report.life_chart(
@@ -159,13 +175,20 @@ report.life_chart(
 )
 
 # %% [markdown]
-# One gradient shows how the design variables change the life: life depends on a high power of
-# pressure and stress, so small changes matter.
+# The gradient, computed above with the values, shows how the design variables change the life. Life
+# depends on a high power of pressure and stress, so small changes matter.
 
 # %%
-life = jax.jit(jax.grad(lambda m: jnp.log(prsm.compute(m, ["rating_life"])["rating_life"][0])))
-thread, slope = stage.thread, life(mechanism).stages[0].thread
 for name in ("roller_radius", "lead", "contact_angle"):
-    print(
-        f"1 % more {name:14} {float(getattr(thread, name) * getattr(slope, name)):+6.2f} % of life"
-    )
+    change = getattr(stage.thread, name) * getattr(slope.stages[0].thread, name)
+    print(f"1 % more {name:14} {float(change):+6.2f} % of life")
+
+# %% [markdown]
+# ## Answer
+# If all threads share the load, Hertz theory gives 2092 MPa, and the true flanks the same. A crest
+# of 0.08 mm would raise it to 3589 MPa, 1.716 times as much. Threads do not share equally: in the
+# preloaded nut the most loaded one has 1.99 times the mean. The rating life is 229 million turns at
+# a static safety of 3.97. It depends most on the contact angle, 1 % of which gives 7.10 % of life,
+# and on the radius of the rollers, 1 % of which gives 5.74 %.
+#
+# Next: [which design, how exactly made?](05_design_studies.ipynb)

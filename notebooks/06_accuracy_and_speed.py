@@ -14,10 +14,10 @@
 # %% [markdown]
 # # Accuracy and speed: what does a digit cost?
 #
-# Approximations, loose tolerances and single precision save time and cost digits. Which of them are
-# worth it? `prsm bench` measures every method of this package and its rivals against references of
-# higher precision, and writes the results into one JSON file, which this notebook reads. Then it
-# measures three things itself.
+# Approximations, loose tolerances and single precision save time and cost digits. **The question:**
+# which of them are worth it? `prsm bench` measures every method of this package and its rivals
+# against references of higher precision, and writes the results into one JSON file, which this
+# notebook reads. Then it measures three things itself.
 
 # %%
 import json
@@ -87,7 +87,7 @@ def chart(case, problem):
 chart("hertz", "range")
 
 # %% [markdown]
-# **Answer for contacts:** exact theory costs as much as the approximations. Integrated transients
+# For contacts, exact theory costs as much as the approximations. Integrated transients
 # are different: each digit costs steps, and where the closed form applies it is better than all of
 # them.
 
@@ -136,7 +136,7 @@ each = [seconds(many, jnp.tile(design, (size, 1))) / size * 1e6 for size in size
 line(sizes, each, "designs in a batch", "run time per design [µs]", "Efficiency")
 
 # %% [markdown]
-# **Answer:** map over hundreds or thousands of designs at once.
+# So map over hundreds or thousands of designs at once.
 #
 # ## Exact derivatives, or differences?
 # The error of central differences falls with the square of the step until rounding takes over. The
@@ -172,5 +172,9 @@ print(f"efficiency {pair[0]:.9f} in float64, {pair[1]:.9f} in float32")
 assert abs(pair[1] / pair[0] - 1) < 1e-5
 
 # %% [markdown]
-# **What to choose when:** the defaults first. Batches for sweeps, exact derivatives always,
-# approximations to reproduce a published formula, single precision for maps of very many designs.
+# ## Answer
+# The defaults first: nearly all lie on the front. Batches for sweeps, exact derivatives always,
+# approximations to reproduce a published formula. Single precision keeps six digits of the
+# efficiency, 0.904719, which is enough for maps of very many designs.
+#
+# Next: [the whole axis, other types and a maker's catalogue](07_real_mechanisms.ipynb)

@@ -51,8 +51,9 @@ def tooth_compliance(
     - radial: `k tan²α d/(2p) w/E`, k = 1 − ν for a solid body and
       (D² + d²)/(D² − d²) + ν for a sleeve of outer diameter D
 
-    Source: Yamamoto, A., Principles and Design of Screw Joints (1970); the sums for bending and
-    shear are those of a wedge-shaped beam. Flanks in axial sections are taken as straight.
+    Source: Yamamoto, A., The Theory and Computation of Threads Connection (1980); the sums for
+    bending and shear are those of a wedge-shaped beam. Flanks in axial sections are taken as
+    straight.
 
     **Arguments:**
 

@@ -36,7 +36,7 @@ def test_units_of_limits_are_written_when_the_caller_knows_them():
     mechanism = file.load("actuator")
     text = file.dumps(
         mechanism,
-        {"max_pressure_shared": "Pa", "lowest_mesh_torsional_frequency": "Hz", "unused": "m"},
+        {"max_pressure_shared": "Pa", "first_axial_frequency": "Hz", "unused": "m"},
     )
     assert 'upper = "2.1 GPa"' in text
     assert 'lower = "7.5 kHz"' in text
