@@ -19,6 +19,7 @@ import numpy as np
 
 from .._errors import missing_extra
 from ..process import real_path, temporary_folder
+from ._checked_chunks import checked_store
 from ._labels import Variable
 from ._plan import Blocks
 
@@ -33,6 +34,8 @@ except ImportError:  # Windows
 #: Largest chunk, and largest coordinate, which is read at once [bytes]. Blocks of a sweep have up
 #: to 32,768 designs; a store that says more would fill the memory.
 _LARGEST = 2**30
+#: Codecs of the arrays of a sweep; the others may be larger than their chunks say.
+_CODECS = frozenset({"bytes", "vlen-utf8", "zstd"})
 #: Files that mark a directory as a zarr store of format 3 or 2.
 _MARKS = ("zarr.json", ".zgroup")
 #: Group of a store with data of the run, which xarray does not show.
@@ -243,10 +246,12 @@ def open_store(store: str | os.PathLike[str]) -> "xarray.Dataset":
     Designs that are not computed yet are NaN and have the code `not_computed`. The data set has the
     attribute `failed` when all designs are computed.
 
-    No code of a store runs: it holds numbers, compressed by the codecs of zarr.
+    No code of a store runs: it holds numbers, compressed by Zstandard. A chunk that claims to be
+    larger than its array says is refused before it is decompressed.
 
     **Raises:** `MissingExtraError` without xarray or zarr; `ValueError` if there is no store, if it
-    is damaged, or if one of its chunks needs more than 1 GiB.
+    is damaged, or if one of its chunks needs more than 1 GiB; when values are read, `ValueError`
+    for a chunk that claims too large a size.
     """
     try:
         import xarray
@@ -257,17 +262,22 @@ def open_store(store: str | os.PathLike[str]) -> "xarray.Dataset":
     if not (path / "zarr.json").is_file():
         raise ValueError(f"store {path} does not exist; run the sweep that writes it")
     try:
-        _check_sizes(path)
-        return xarray.open_zarr(path, consolidated=False, chunks=None, zarr_format=3)
+        checked = checked_store(path, _chunk_sizes(path))
+        return xarray.open_zarr(checked, consolidated=False, chunks=None, zarr_format=3)
     except (ArithmeticError, LookupError, OSError, TypeError, ValueError) as error:
         words = f"store {path} was not written by a sweep, or is damaged: {error}; run it again"
         raise ValueError(words) from error
 
 
-def _check_sizes(path: Path) -> None:
-    """**Raises:** `ValueError` if a part of a store, read at once, would fill the memory."""
+def _chunk_sizes(path: Path) -> dict[str, int]:
+    """Largest size of a compressed chunk by the name of its array [bytes].
+
+    **Raises:** `ValueError` if a part of a store, read at once, would fill the memory, or is
+    compressed otherwise than by a sweep.
+    """
     import zarr
 
+    sizes: dict[str, int] = {}
     for name, array in zarr.open_group(path, mode="r", zarr_format=3).arrays():
         # xarray reads coordinates when it opens a store.
         at_once = getattr(array.metadata, "dimension_names", None) == (name,)
@@ -275,3 +285,12 @@ def _check_sizes(path: Path) -> None:
         size = math.prod(parts) * array.dtype.itemsize
         if size > _LARGEST:
             raise ValueError(f"{name} has parts of {size / 2**30:.3g} GiB, and 1 is allowed")
+        metadata: Any = array.metadata
+        codecs = {str(codec.to_dict()["name"]) for codec in metadata.codecs}
+        if foreign := codecs - _CODECS:
+            raise ValueError(f"{name} has the codec {sorted(foreign)[0]}, which no sweep writes")
+        if "zstd" in codecs:
+            # The length of a text is in the chunk only.
+            chunk = math.prod(array.chunks) * array.dtype.itemsize
+            sizes[name] = _LARGEST if "vlen-utf8" in codecs else chunk
+    return sizes

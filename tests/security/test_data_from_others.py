@@ -19,6 +19,7 @@ import openpyxl
 import pytest
 import xarray
 import zarr
+from zarr.codecs import GzipCodec
 
 from prsm_jax import FileError, PrsmError, load, loads
 from prsm_jax.catalogue_sizes import catalogue_rows
@@ -129,6 +130,52 @@ def test_a_store_that_would_fill_the_memory_is_refused(tmp_path, shape, chunks):
     name = "x" if chunks < shape else "code"
     group.create_array(name, shape=(shape,), chunks=(chunks,), dtype="i1", dimension_names=["x"])
     with pytest.raises(ValueError, match=rf"{name} has parts of 2 GiB, and 1 is allowed"):
+        open_store(tmp_path / "theirs.zarr")
+
+
+def _stored(path, **options):
+    """A store of four numbers, and the file of their chunk."""
+    group = zarr.open_group(path, mode="w", zarr_format=3)
+    array = group.create_array("code", shape=(4,), dtype="f8", dimension_names=["x"], **options)
+    array[:] = np.arange(4.0)
+    return path / "code" / "c" / "0"
+
+
+@pytest.mark.parametrize(
+    ("descriptor", "size", "words"),
+    [
+        # A size of eight bytes of the header in one segment: a tebibyte.
+        (0xE0, (2**40).to_bytes(8, "little"), f"claims {2**40} bytes .*, and holds at most 32"),
+        # One of four bytes, and one of two, to which 256 is added.
+        (0xA0, (33).to_bytes(4, "little"), "claims 33 bytes .*, and holds at most 32"),
+        (0x60, (0).to_bytes(2, "little"), "claims 256 bytes .*, and holds at most 32"),
+        # With a window and without a size, as a stream is compressed.
+        (0x00, b"\x58", "does not say how large it is"),
+    ],
+)
+def test_a_chunk_that_claims_a_huge_size_is_not_decompressed(
+    tmp_path, monkeypatch, descriptor, size, words
+):
+    """The frame of RFC 8878, section 3.1.1, made by hand."""
+    chunk = _stored(tmp_path / "theirs.zarr")
+    # The last block, of one byte that is repeated 32 times.
+    block = ((32 << 3) | (1 << 1) | 1).to_bytes(3, "little") + b"\x00"
+    chunk.write_bytes(b"\x28\xb5\x2f\xfd" + bytes([descriptor]) + size + block)
+    monkeypatch.setattr("numcodecs.zstd.Zstd.decode", lambda *_: pytest.fail("decompressed"))
+    data = open_store(tmp_path / "theirs.zarr")
+    with pytest.raises(ValueError, match=f"the chunk code/c/0 {words}"):
+        data.load()
+
+
+def test_a_chunk_as_a_sweep_writes_it_is_read(tmp_path):
+    _stored(tmp_path / "ours.zarr")
+    found = open_store(tmp_path / "ours.zarr")["code"]
+    np.testing.assert_array_equal(found, np.arange(4.0))
+
+
+def test_a_codec_that_no_sweep_writes_is_refused(tmp_path):
+    _stored(tmp_path / "theirs.zarr", compressors=GzipCodec())
+    with pytest.raises(ValueError, match="code has the codec gzip, which no sweep writes"):
         open_store(tmp_path / "theirs.zarr")
 
 
