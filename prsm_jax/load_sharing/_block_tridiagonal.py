@@ -311,7 +311,9 @@ def solve_linear(
 def _corner(own: Array, across: Array | None, shifts: int, control: Control) -> Array:
     """Stiffnesses of a free nut in the square matrix of all coupled unknowns."""
     count = shifts + 4 + (control != "load")
-    corner = jnp.zeros((count, count), own.dtype).at[shifts : shifts + 4, shifts : shifts + 4].set(own)
+    corner = (
+        jnp.zeros((count, count), own.dtype).at[shifts : shifts + 4, shifts : shifts + 4].set(own)
+    )
     if across is None:
         return corner
     corner = corner.at[:shifts, shifts : shifts + 4].set(across)
