@@ -60,7 +60,8 @@ def thread_stiffness(
     Given numbers are used unchanged. Missing ones are the axial secant stiffness of a Hertz contact
     times the number of engaged threads (Wu et al. 2022, equations 36 to 47), or the sum over the
     threads of a load distribution, including their teeth. If that has unlike rollers
-    (`stiffness_factor`, `tooth_thinning`, errors of parts), each has the stiffness at the load that it carries.
+    (`stiffness_factor`, `tooth_thinning`, errors of parts), each has the stiffness at the load that
+    it carries.
 
     **Arguments:**
 

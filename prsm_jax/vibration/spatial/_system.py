@@ -47,9 +47,7 @@ def _refuse_asymmetric(stage: Stage) -> None:
     elif stage.unequal_roller:
         reason = f"unequal_roller lists roller {stage.unequal_roller[0].number}"
     elif stage.rollers_carry_otherwise:
-        reason = (
-            "load_sharing has part_errors or free_nut, with which rollers carry different loads"
-        )
+        reason = "rollers carry different loads by load_sharing.part_errors or free_nut"
     for name in ("screw", "nut", "ring_gear", "carrier"):
         body = getattr(stage, name)
         support: Support | None = None if body is None else body.support
