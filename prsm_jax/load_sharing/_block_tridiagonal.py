@@ -238,15 +238,15 @@ def _nut_displacement_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: 
     free_nut, nut = chains.free_nut, teeth[1]
     assert free_nut is not None
     weight = chains.weight[:, None]
-    slope = weight * nut.slope
+    slope = (weight * nut.slope)[None]
     axial, radial = free_nut.axial, free_nut.radial
     # Forces on flanks per displacement: those along the axis, and those that press outward.
     along, outward = slope * axial, None
     if radial is not None:
         assert nut.slope_difference is not None
-        difference = weight * nut.slope_difference
+        difference = (weight * nut.slope_difference)[None]
         along = along + difference * radial
-        outward = difference * axial + (slope - weight * chains.regularisation) * radial
+        outward = difference * axial + (slope - (weight * chains.regularisation)[None]) * radial
     columns = [
         State(
             one,
@@ -311,7 +311,9 @@ def solve_linear(
 def _corner(own: Array, across: Array | None, shifts: int, control: Control) -> Array:
     """Stiffnesses of a free nut in the square matrix of all coupled unknowns."""
     count = shifts + 4 + (control != "load")
-    corner = jnp.zeros((count, count), own.dtype).at[shifts : shifts + 4, shifts : shifts + 4].set(own)
+    corner = (
+        jnp.zeros((count, count), own.dtype).at[shifts : shifts + 4, shifts : shifts + 4].set(own)
+    )
     if across is None:
         return corner
     corner = corner.at[:shifts, shifts : shifts + 4].set(across)

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..fields import In, Scalar
-from ..numerics import above_or_nan, cube_root_or_zero
+from ..numerics import above_or_nan, cube_root_or_zero, root_or_zero
 from ..programs import mapped
 from ..results import DesignResult
 from ._chains import Flanks, Loads
@@ -103,6 +103,16 @@ class SideLoads(DesignResult):
         load = self.roller_load
         mean = jnp.abs(jnp.sum(self.weight * load)) / jnp.sum(self.weight)
         return self._ratio(jnp.max(jnp.abs(load)), mean)
+
+    @property
+    @mapped
+    def roller_load_unbalance(self) -> Scalar:
+        """Standard deviation of the loads of all rollers over their mean; 0 without load."""
+        load, count = self.roller_load, jnp.sum(self.weight)
+        mean = jnp.sum(self.weight * load) / count
+        loaded = above_or_nan(jnp.abs(mean), self._zero_force)
+        relative = jnp.where(loaded, load / jnp.where(loaded, mean, 1.0), 1.0)
+        return root_or_zero(jnp.sum(self.weight * (relative - 1) ** 2) / count)
 
     def _ratio(self, largest: Scalar, mean: Scalar) -> Scalar:
         loaded = above_or_nan(mean, self._zero_force)

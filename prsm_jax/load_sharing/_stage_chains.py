@@ -17,8 +17,10 @@ from ..contact import (
 from ..fields import CountOrTraced, Scalar
 from ..geometry import Meshing
 from ..mechanism import LoadSharing, Stage, material_of, nut_outer_radius
+from ..numerics import largest, smallest
 from ._chains import Chains, Flanks
 from ._flank_law import flank_approach, flank_force
+from ._yamamoto import ToothCompliance, tooth_compliance
 from .part_errors import (
     GapOpening,
     Places,
@@ -26,7 +28,6 @@ from .part_errors import (
     free_nut_coupling,
     gap_opening,
 )
-from ._yamamoto import ToothCompliance, tooth_compliance
 
 #: Stiffness of the regularising springs over that of a typical contact, in double and single
 #: precision, and the factor by which they may be softer where play and errors are large.
@@ -261,11 +262,11 @@ def regularised(
         reach = reach + jnp.abs(chains.offset) / 4
     span = zero
     for side in sides:
-        span = jnp.maximum(span, jnp.max(side.gap) - jnp.min(side.gap))
+        span = jnp.maximum(span, largest(side.gap) - smallest(side.gap))
         if side.reverse_gap is not None:
             play = side.gap + side.reverse_gap
-            span = jnp.maximum(span, jnp.max(jnp.abs(play)))
-            reach = jnp.maximum(reach, -jnp.min(play) / 2)
+            span = jnp.maximum(span, largest(jnp.abs(play)))
+            reach = jnp.maximum(reach, -smallest(play) / 2)
     force = (jnp.abs(load) + jnp.abs(preload)) / (jnp.sum(chains.weight) * count)
     if chains.free_nut is not None:
         force = force + jnp.sum(jnp.abs(chains.free_nut.load)) / (jnp.sum(chains.weight) * count)

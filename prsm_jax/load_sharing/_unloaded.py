@@ -2,10 +2,12 @@
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..fields import Scalar, old_name
+from ..numerics import smallest
 from ..programs import one_program_where_possible
 from ._chains import Chains, deflection_of
 from ._equilibrium import equilibrium
@@ -45,7 +47,8 @@ def first_contacts(chains: Chains) -> tuple[Scalar, Scalar | None]:
         shift = jnp.where(jnp.arange(shift.shape[0]) > chains.split, chains.offset, shift)
 
     def reach(screw, nut) -> Scalar:
-        return jnp.min(jnp.min(screw, axis=1) + jnp.min(nut, axis=1))
+        of_class = jax.vmap(smallest)
+        return smallest(of_class(screw) + of_class(nut))
 
     forward = reach(chains.screw.gap, chains.nut.gap + shift[None, :])
     if chains.screw.reverse_gap is None or chains.nut.reverse_gap is None:

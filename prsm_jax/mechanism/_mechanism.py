@@ -160,6 +160,13 @@ class Stage(Limited):
         """Number of rollers present: they share the load and have mass."""
         return self.roller_count - sum(roller.missing for roller in self.unequal_roller)
 
+    @property
+    def rollers_carry_otherwise(self) -> bool:
+        """Whether rollers take different shares of the load: unequal ones, or by their places."""
+        sharing = self.load_sharing
+        by_place = sharing is not None and sharing.rollers_differ
+        return by_place or any(roller.carries_otherwise for roller in self.unequal_roller)
+
 
 class OperatingPoint(Limited):
     """The steady operating point: prescribed speed of turning and load on the last nut."""

@@ -13,6 +13,7 @@ from ._elimination import (
     substitute as substitute,
     substitute_transposed as substitute_transposed,
 )
+from ._extremes import largest as largest, smallest as smallest
 from ._few import (
     all_few as all_few,
     any_few as any_few,

@@ -60,7 +60,8 @@ def thread_stiffness(
     Given numbers are used unchanged. Missing ones are the axial secant stiffness of a Hertz contact
     times the number of engaged threads (Wu et al. 2022, equations 36 to 47), or the sum over the
     threads of a load distribution, including their teeth. If that has unlike rollers
-    (`stiffness_factor`, `tooth_thinning`), each has the stiffness at the load that it carries.
+    (`stiffness_factor`, `tooth_thinning`, errors of parts), each has the stiffness at the load that
+    it carries.
 
     **Arguments:**
 
@@ -81,7 +82,7 @@ def thread_stiffness(
             f"thread contact stiffness: {error} — or give stage.stiffness.screw_roller and "
             "stage.stiffness.nut_roller"
         ) from error
-    unlike = any(roller.carries_otherwise for roller in stage.unequal_roller)
+    unlike = stage.rollers_carry_otherwise
     each: list[Array | None] = [None, None]
     if unlike and isinstance(derived, LoadDistribution):
         each = [

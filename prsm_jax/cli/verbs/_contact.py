@@ -137,6 +137,20 @@ def load_sharing_results(
         "secant_stiffness_n_per_m": elastic.secant_stiffness,
         "tangent_stiffness_n_per_m": shared.tangent_stiffness,
         "spacer_force_n": shared.spacer_force,
+        **_across_results(shared),
+    }
+
+
+def _across_results(shared: LoadDistribution) -> dict[str, Any]:
+    """Loads across the axis by the names of the JSON, components at 0 and 90 degrees."""
+    if shared.nut_radial_force is None:
+        return {}
+    return {
+        "roller_load_unbalance": shared.nut.roller_load_unbalance,
+        "nut_radial_force_n": shared.nut_radial_force,
+        "nut_overturning_moment_nm": shared.nut_overturning_moment,
+        "nut_displacement_m": shared.nut_displacement,
+        "nut_lean_rad": shared.nut_lean,
     }
 
 
@@ -268,4 +282,23 @@ def _lines_of_sharing(number: int, shared: dict[str, Any] | None) -> list[Line]:
         lines.insert(4, ("largest pressure of a whole ellipse", pressure, "Pa"))
     if shared["spacer_force_n"] is not None:
         lines.append(("force in the spacer", shared["spacer_force_n"], "N"))
+    if "nut_radial_force_n" in shared:
+        lines += _lines_across(shared)
     return [(f"stage {number}: load sharing, {one[0]}", *one[1:]) for one in lines]
+
+
+def _lines_across(shared: dict[str, Any]) -> list[Line]:
+    """Lengths of the vectors across the axis, and the unbalance of the rollers."""
+    lines: list[Line] = [
+        ("standard deviation over mean roller load", shared["roller_load_unbalance"], "1"),
+        ("radial force of the rollers on the nut", math.hypot(*shared["nut_radial_force_n"]), "N"),
+        (
+            "moment of the rollers on the nut",
+            math.hypot(*shared["nut_overturning_moment_nm"]),
+            "N·m",
+        ),
+    ]
+    if shared["nut_displacement_m"] is not None:
+        lines.append(("displacement of the nut", math.hypot(*shared["nut_displacement_m"]), "m"))
+        lines.append(("lean of the nut", math.hypot(*shared["nut_lean_rad"]), "rad"))
+    return lines

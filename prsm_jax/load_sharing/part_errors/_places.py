@@ -20,9 +20,7 @@ class Places(NamedTuple):
     axial: Float[Array, "rollers threads"]
 
 
-def contact_places(
-    stage: Stage, rollers: tuple[tuple[int, ...], ...], thread_count: int
-) -> Places:
+def contact_places(stage: Stage, rollers: tuple[tuple[int, ...], ...], thread_count: int) -> Places:
     r"""Places of the contacts, each roller at its true place within a pitch.
 
     Roller i is at the angle $\varphi_i = 2\pi(i - 1)/N$, plus its `position_offset`. The threads of

@@ -6,7 +6,7 @@ from typing import Any
 import equinox as eqx
 
 from ...fields import Scalar
-from .._mechanism import Mechanism
+from .._mechanism import Mechanism, Stage
 from ._parameters import find_parameters
 
 
@@ -36,5 +36,9 @@ def stages_of_count(mechanism: Mechanism, name: str) -> tuple[int, ...]:
     """
     paths = {f"stage.{i + 1}.roller_count": i for i in range(len(mechanism.stages))}
     stages = [paths.get(parameter.path) for parameter in find_parameters(mechanism, name)]
-    known = tuple(i for i in stages if i is not None and not mechanism.stages[i].unequal_roller)
+    known = tuple(i for i in stages if i is not None and _equal_rollers(mechanism.stages[i]))
     return known if len(known) == len(stages) else ()
+
+
+def _equal_rollers(stage: Stage) -> bool:
+    return not stage.unequal_roller and not stage.rollers_carry_otherwise

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 
 from ..._errors import MissingDataError
 from ...fields import Scalar
+from ...numerics import root_or_zero
 from .._analysis import Analysis
 from .._catalogue import quantity
 from .._nut_travel import elastic_of
@@ -33,6 +34,47 @@ def thread_sharing_factor_nut(analysis: Analysis):
 @_by_stage("roller_sharing_factor", "K_R", "1", "largest load of a roller over the mean")
 def roller_sharing_factor(analysis: Analysis):
     return _per_stage(analysis, lambda one: one.nut.roller_sharing_factor)
+
+
+def _across(analysis: Analysis, function):
+    """A function of each distribution whose rollers have loads of their own by their places."""
+    if any(one.nut_radial_force is None for one in analysis.distributions):
+        raise MissingDataError(
+            "rollers are equal around the screw; give [stage.load_sharing.part_errors] or "
+            "[stage.load_sharing.free_nut]"
+        )
+    return _per_stage(analysis, function)
+
+
+@_by_stage(
+    "roller_load_unbalance",
+    "s_R",
+    "1",
+    "standard deviation of the loads of rollers over their mean, with errors of parts",
+)
+def roller_load_unbalance(analysis: Analysis):
+    return _across(analysis, lambda one: one.nut.roller_load_unbalance)
+
+
+@_by_stage(
+    "nut_radial_force", "F_r", "N", "radial force of the rollers on the nut, with errors of parts"
+)
+def nut_radial_force(analysis: Analysis):
+    return _across(analysis, lambda one: _length(one.nut_radial_force))
+
+
+@_by_stage(
+    "nut_overturning_moment",
+    "M_r",
+    "N·m",
+    "moment of the rollers that tips the nut, with errors of parts",
+)
+def nut_overturning_moment(analysis: Analysis):
+    return _across(analysis, lambda one: _length(one.nut_overturning_moment))
+
+
+def _length(vector) -> Scalar:
+    return root_or_zero(jnp.sum(vector**2))
 
 
 @_by_stage("largest_thread_load", "F_max", "N", "largest axial load of a thread, either side")

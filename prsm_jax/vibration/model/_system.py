@@ -114,7 +114,7 @@ def _contact_angle(stage: Stage, body: str) -> Scalar:
 
 def _scatter(stage: Stage) -> RollerScatter | None:
     unequal = {roller.number: roller for roller in stage.unequal_roller}
-    if not unequal:
+    if not unequal and not stage.rollers_carry_otherwise:
         return None
     places = plain(stage.roller_count)
     numbers = tuple(

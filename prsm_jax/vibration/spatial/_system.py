@@ -46,6 +46,8 @@ def _refuse_asymmetric(stage: Stage) -> None:
         reason = f"roller_count is {plain(stage.roller_count)}"
     elif stage.unequal_roller:
         reason = f"unequal_roller lists roller {stage.unequal_roller[0].number}"
+    elif stage.rollers_carry_otherwise:
+        reason = "rollers carry different loads by load_sharing.part_errors or free_nut"
     for name in ("screw", "nut", "ring_gear", "carrier"):
         body = getattr(stage, name)
         support: Support | None = None if body is None else body.support
