@@ -39,11 +39,12 @@ def _run(page, language, capsys):
 
 
 @pytest.mark.parametrize("page", _pages_with("python"))
-def test_python_blocks_run(page, capsys):
-    # One page is one session: later blocks use what earlier ones made.
+def test_python_blocks_run(page, capsys, monkeypatch, tmp_path):
+    # One page is one session: later blocks use what earlier ones made. Files go to an empty folder.
     from prsm_jax.findings import _margin
     from prsm_jax.quantities import _catalogue
 
+    monkeypatch.chdir(tmp_path)
     known, sources = dict(_catalogue._CATALOGUE), list(_margin._SOURCES)
     try:
         printed = _run(page, "python", capsys)
