@@ -57,6 +57,7 @@ LAYERS["report"] = _PHYSICS | {
     "explanation",
     "studies",
 }
+LAYERS["studio"] = _PHYSICS | {"file", "sensitivities", "optimisation", "report"}
 LAYERS["cli"] = set(LAYERS)
 LAYERS = GROUND | {room: below | set(GROUND) for room, below in LAYERS.items()}
 

@@ -6,3 +6,4 @@ from ._drawing_dimensions import (
     drawing_dimensions as drawing_dimensions,
     roller_places as roller_places,
 )
+from ._section_svg import section_svg as section_svg

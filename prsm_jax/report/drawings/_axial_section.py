@@ -4,7 +4,7 @@ import numpy as np
 
 from ...text import trimmed
 from .._style import BODY_COLOURS, INK, MUTED
-from ._drafting import Sheet
+from ._drafting import AbstractSheet
 from ._drawing_dimensions import DrawingDimensions
 from ._thread_profile import (
     nut_profile,
@@ -27,7 +27,7 @@ def drawn_half_length(dims: DrawingDimensions) -> float:
     return max(dims.drawn_nut_length / 2, inside) + _STUB
 
 
-def draw_axial_section(sheet: Sheet, dims: DrawingDimensions) -> None:
+def draw_axial_section(sheet: AbstractSheet, dims: DrawingDimensions) -> None:
     """Draw the half-section about the middle of the rollers and dimension it."""
     half = drawn_half_length(dims)
     roller = dims.drawn_roller_length / 2
@@ -45,18 +45,16 @@ def draw_axial_section(sheet: Sheet, dims: DrawingDimensions) -> None:
     _dimensions(sheet, dims, half)
 
 
-def _fill(sheet: Sheet, xs, ys, body: str, hatch: str = "", **kwargs) -> None:
-    from matplotlib.patches import Polygon
-
+def _fill(sheet: AbstractSheet, xs, ys, body: str, hatch: str = "", **kwargs) -> None:
     points = np.column_stack([xs, ys])
     style = {"facecolor": BODY_COLOURS[body], "linewidth": 0, "edgecolor": MUTED} | kwargs
-    sheet.axes.add_patch(Polygon(points, closed=True, hatch=hatch, **style))
+    sheet.polygon(points, hatch=hatch, **style)
     if "linewidth" not in kwargs:
         outline = {"facecolor": "none", "edgecolor": INK, "linewidth": 0.6}
-        sheet.axes.add_patch(Polygon(points, closed=True, label=body, **outline))
+        sheet.polygon(points, label=body, **outline)
 
 
-def _screw(sheet: Sheet, dims: DrawingDimensions, half: float, threaded: float) -> None:
+def _screw(sheet: AbstractSheet, dims: DrawingDimensions, half: float, threaded: float) -> None:
     complete = dims.screw_length is not None and dims.screw_length / 2 <= half
     end = dims.screw_length / 2 if complete and dims.screw_length is not None else half
     # A screw that carries its rollers has thread only where they are, and teeth beside it.
@@ -89,7 +87,7 @@ def _break_line(x: float, top: float, bottom: float):
     return np.column_stack([x + wave, top + (bottom - top) * share])
 
 
-def _nut(sheet: Sheet, dims: DrawingDimensions, threaded: float) -> None:
+def _nut(sheet: AbstractSheet, dims: DrawingDimensions, threaded: float) -> None:
     half, outer = dims.drawn_nut_length / 2, dims.drawn_outer_radius
     plain = dims.nut_radius + dims.roller_addendum
     reach = half if dims.family.carrying == "screw" else min(threaded, half)
@@ -119,7 +117,7 @@ def _nut(sheet: Sheet, dims: DrawingDimensions, threaded: float) -> None:
             _fill(sheet, xs, [inner, inner, rim, rim], "ring_gear", hatch="....")
 
 
-def _roller(sheet: Sheet, dims: DrawingDimensions, roller: float, threaded: float) -> None:
+def _roller(sheet: AbstractSheet, dims: DrawingDimensions, roller: float, threaded: float) -> None:
     a = dims.centre_distance
     outside = tooth_centres(dims, -threaded, threaded, shifted=dims.shifted_at_nut)
     top = roller_profile(dims, outside, 1)
@@ -135,7 +133,7 @@ def _roller(sheet: Sheet, dims: DrawingDimensions, roller: float, threaded: floa
             sheet.line((sign * threaded,) * 2, (low, high), color=INK, lw=0.5)
 
 
-def _carriers(sheet: Sheet, dims: DrawingDimensions, roller: float) -> None:
+def _carriers(sheet: AbstractSheet, dims: DrawingDimensions, roller: float) -> None:
     inner, outer, length = dims.carrier_inner_radius, dims.carrier_outer_radius, dims.carrier_length
     if inner is None or outer is None or length is None:
         return
@@ -144,7 +142,7 @@ def _carriers(sheet: Sheet, dims: DrawingDimensions, roller: float) -> None:
         _fill(sheet, xs, [inner, inner, outer, outer], "carrier", hatch="xxxx")
 
 
-def _dimensions(sheet: Sheet, dims: DrawingDimensions, half: float) -> None:
+def _dimensions(sheet: AbstractSheet, dims: DrawingDimensions, half: float) -> None:
     top = dims.drawn_outer_radius
     if dims.nut_length is not None:
         nut = dims.nut_length / 2
@@ -158,14 +156,14 @@ def _dimensions(sheet: Sheet, dims: DrawingDimensions, half: float) -> None:
             -roller, roller, below, f"roller {trimmed(dims.roller_length)}", dims.centre_distance
         )
     _end_dimensions(sheet, dims)
-    left, right = sheet.axes.get_xlim()
+    left, right = sheet.span
     sheet.scale_bar(right - sheet.paper(2) - 10, below + sheet.paper(0.9), 10)
     if dims.screw_length is not None and dims.screw_length / 2 > half:
         words = f"screw {trimmed(dims.screw_length)},\nbroken off"
         sheet.text(left + sheet.paper(2), below, words, ha="left", va="center")
 
 
-def _end_dimensions(sheet: Sheet, dims: DrawingDimensions) -> None:
+def _end_dimensions(sheet: AbstractSheet, dims: DrawingDimensions) -> None:
     """Dimensions of gear, ring gear and carrier, under that of the roller."""
     roller, below = dims.drawn_roller_length / 2, -sheet.paper(11.5)
     middle = dims.centre_distance

@@ -5,7 +5,7 @@ from typing import Any
 
 from ...text import trimmed
 from .._style import BODY_COLOURS, INK, MUTED
-from ._drafting import Length, Sheet
+from ._drafting import AbstractSheet, Length
 from ._drawing_dimensions import DrawingDimensions
 
 #: Space for the dimensions above and below the view, on paper [mm].
@@ -13,7 +13,7 @@ ABOVE, BELOW = 16.0, 23.0
 _STEP = 5.5
 
 
-def draw_transverse_view(sheet: Sheet, dims: DrawingDimensions) -> None:
+def draw_transverse_view(sheet: AbstractSheet, dims: DrawingDimensions) -> None:
     """Draw the transverse view about the origin and dimension it."""
     _nut_and_gear(sheet, dims)
     _screw(sheet, dims)
@@ -23,15 +23,13 @@ def draw_transverse_view(sheet: Sheet, dims: DrawingDimensions) -> None:
 
 
 def _circle(
-    sheet: Sheet, radius: Length, name: str, at: tuple[Length, Length] = (0, 0), **kwargs
+    sheet: AbstractSheet, radius: Length, name: str, at: tuple[Length, Length] = (0, 0), **kwargs
 ) -> None:
-    from matplotlib.patches import Circle
-
     style = {"facecolor": "none", "edgecolor": INK, "linewidth": 0.8} | kwargs
-    sheet.axes.add_patch(Circle(at, radius, label=name, **style))
+    sheet.circle(at, radius, label=name, **style)
 
 
-def _nut_and_gear(sheet: Sheet, dims: DrawingDimensions) -> None:
+def _nut_and_gear(sheet: AbstractSheet, dims: DrawingDimensions) -> None:
     outer = dims.drawn_outer_radius
     style: Any = {"facecolor": BODY_COLOURS["nut"], "hatch": "////", "edgecolor": MUTED}
     _circle(sheet, outer, "nut", linewidth=0, **style)
@@ -48,13 +46,13 @@ def _nut_and_gear(sheet: Sheet, dims: DrawingDimensions) -> None:
             _circle(sheet, radius, "carrier", edgecolor=MUTED, linestyle=(0, (1.5, 1.5)))
 
 
-def _screw(sheet: Sheet, dims: DrawingDimensions) -> None:
+def _screw(sheet: AbstractSheet, dims: DrawingDimensions) -> None:
     _circle(sheet, dims.screw_radius, "screw", facecolor=BODY_COLOURS["screw"], zorder=2)
     if dims.bore_radius:
         _circle(sheet, dims.bore_radius, "bore", facecolor="white", zorder=2)
 
 
-def _rollers(sheet: Sheet, dims: DrawingDimensions) -> None:
+def _rollers(sheet: AbstractSheet, dims: DrawingDimensions) -> None:
     cross, centre = 0.35 * dims.roller_radius, dims.centre_distance
     empty = {"edgecolor": MUTED, "linestyle": (0, (3, 2))}
     for angle in dims.empty_angles:
@@ -75,7 +73,7 @@ def _rollers(sheet: Sheet, dims: DrawingDimensions) -> None:
     sheet.centre_line((0, 0), (-reach, reach))
 
 
-def _contacts(sheet: Sheet, dims: DrawingDimensions) -> None:
+def _contacts(sheet: AbstractSheet, dims: DrawingDimensions) -> None:
     for contact, face in ((dims.screw_contact, "#d55e00"), (dims.nut_contact, "#0072b2")):
         if contact is None:
             continue
@@ -83,10 +81,10 @@ def _contacts(sheet: Sheet, dims: DrawingDimensions) -> None:
         for angle in dims.roller_angles:
             xs.append(contact.x * math.cos(angle) - contact.y * math.sin(angle))
             ys.append(contact.x * math.sin(angle) + contact.y * math.cos(angle))
-        sheet.axes.plot(xs, ys, "o", ms=2.6, mfc=face, mec="white", mew=0.3, zorder=4)
+        sheet.dots(xs, ys, face)
 
 
-def _dimensions(sheet: Sheet, dims: DrawingDimensions) -> None:
+def _dimensions(sheet: AbstractSheet, dims: DrawingDimensions) -> None:
     outer, a, r = dims.drawn_outer_radius, dims.centre_distance, dims.roller_radius
 
     def level(number: Length, sign: int = 1) -> float:
