@@ -93,7 +93,7 @@ class Improvement:
             self.state, self.message = "stopping", "stopping at the next step"
         self._stop.set()
 
-    def wait(self, seconds: float | None = None) -> bool:
+    def wait(self, seconds: float | int | None = None) -> bool:
         """Wait for the end; false if it has not come after so many seconds."""
         self._thread.join(seconds)
         return not self._thread.is_alive()

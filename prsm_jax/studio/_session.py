@@ -90,7 +90,7 @@ class Session:
             raise PrsmError(f"unknown variable {name!r}; known: {known}")
         return found[0]
 
-    def move(self, name: str, shown: float) -> None:
+    def move(self, name: str, shown: float | int) -> None:
         """Move a variable, in the unit of the page, without a step that can be undone.
 
         **Raises:** `PrsmError` beyond the limits; `ValueError` where it excludes another number.
@@ -106,7 +106,7 @@ class Session:
         with self._lock:
             self._become(self._history.committed())
 
-    def set(self, name: str, shown: float) -> None:
+    def set(self, name: str, shown: float | int) -> None:
         """Move a variable as one step; raises as `move`."""
         with self._lock:
             self.move(name, shown)

@@ -35,7 +35,7 @@ class StudioVariable:
         """An SI value in the unit of the page."""
         return float(self.unit(value))
 
-    def read(self, shown: float) -> float:
+    def read(self, shown: float | int) -> float:
         """A value in the unit of the page in SI.
 
         **Raises:** `PrsmError` for one that is not a number or beyond the limits.

@@ -12,6 +12,8 @@ from collections.abc import Generator
 from pathlib import Path
 from typing import Any
 
+import prsm_jax
+
 #: Where Debian's packages chromium and chromium-driver put them.
 _BROWSER, _DRIVER = "/usr/bin/chromium", "/usr/bin/chromedriver"
 _FLAGS = (
@@ -58,10 +60,13 @@ def studio(
     """A studio as a user starts it; its address, with the process, which Ctrl-C ends."""
     told = folder / "address.json"
     command = [sys.executable, "-m", "prsm_jax", "studio", str(file), "--json", str(told)]
+    # The package under test, wherever another one is installed.
+    paths = [str(Path(prsm_jax.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
+    own = {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
     process = subprocess.Popen(
         [*command, "--out", str(folder / "chosen"), "--no-browser"],
         cwd=folder,
-        env={**os.environ, **(environment or {})},
+        env={**os.environ, **own, **(environment or {})},
         stderr=subprocess.PIPE,
         text=True,
     )

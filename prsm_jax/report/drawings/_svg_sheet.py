@@ -33,7 +33,7 @@ class SvgSheet(AbstractSheet):
         self.scale = scale
         self._width, self._height, self._lowest = width, height, lowest_y
         #: Elements with the order in which they lie over each other.
-        self._elements: list[tuple[float, str]] = []
+        self._elements: list[tuple[Length, str]] = []
 
     @property
     def span(self) -> tuple[float, float]:
@@ -121,7 +121,7 @@ class SvgSheet(AbstractSheet):
         points = (self._at(x, y) for x, y in zip(xs, ys, strict=True))
         return "M" + "L".join(f"{left:.2f} {top:.2f}" for left, top in points)
 
-    def _add(self, order: float, element: str) -> None:
+    def _add(self, order: Length, element: str) -> None:
         self._elements.append((order, element))
 
     def _shape(self, start: str, style: dict[str, Any]) -> None:
