@@ -120,7 +120,7 @@ class Improvement:
             problem = dataclasses.replace(self._problem, choices=())
             best = optimise(self._mechanism, problem=problem, watch=self._watch)
         except _Stopped:
-            self.state, self.message = "stopped", "stopped"
+            self.state, self.message = "stopped", f"after {len(self.steps)} steps"
         except Exception as error:
             # A fault of the search must not end the page: its words stand there.
             words = short_heading(str(error)) or type(error).__name__

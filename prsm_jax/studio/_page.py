@@ -99,7 +99,7 @@ class Page:
             # An empty field is no number, and is refused as such.
             await self._do(lambda: self._session.set(one.name, field.value or 0.0))
 
-        slider.on("update:model-value", dragged, throttle=_THROTTLE_S, leading_events=False)
+        slider.on("update:model-value", dragged, throttle=_THROTTLE_S)
         slider.on("change", released)
         field.on("change", typed)
 
@@ -150,12 +150,13 @@ class Page:
         if self._session.improvement is not None:
             self._session.improvement.stop()
 
-    async def _save(self, name: str, replace: bool) -> None:
-        def save() -> None:
+    def _save(self, name: str, replace: bool) -> None:
+        try:
             path = self._session.save(name, replace=replace)
+        except (PrsmError, ValueError, OSError) as error:
+            self._files.content = f'<p class="error">{html.escape(str(error))}</p>'
+        else:
             self._files.content = f"<p>Saved {html.escape(str(path))}.</p>"
-
-        await self._do(save)
 
     async def _write_report(self) -> None:
         self._report.disable()
@@ -240,19 +241,20 @@ class Page:
             told = (job, len(job.steps), job.state)
             if told != self._told:
                 self._told = told
-                self._way.content = improvement_html(job, self._session.variables, self._unit())
+                self._way.content = improvement_html(
+                    job, self._session.variables, *self._objective()
+                )
                 self._set_controls(None)
         if self._seen != self._session.version and not self._busy:
             await self._show()
 
-    def _unit(self) -> str:
-        """The objective's name and SI unit in words; empty for a sum of several."""
+    def _objective(self) -> tuple[str, str]:
+        """Name and SI unit of the objective; empty for a sum of several."""
         problem = self._session.original.design_problem
         if problem is None or len(problem.objectives) != 1:
-            return ""
+            return "", ""
         quantity = find_quantity(problem.objectives[0].quantity)
-        unit = "" if quantity.unit == "1" else f" in {quantity.unit}"
-        return f" ({html.escape(quantity.name.replace('_', ' '))}{unit})"
+        return quantity.name, quantity.unit
 
 
 def _panel(title: str) -> Any:

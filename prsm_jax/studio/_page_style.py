@@ -1,17 +1,18 @@
 """The style of the page: one column on a narrow screen, two or three on a wide one."""
 
 STYLE = """
-body { background: #f4f5f7; color: #1a1a1a; font-family: system-ui, sans-serif; font-size: 15px; }
+body { background: #f4f5f7; color: #1a1a1a; font-family: system-ui, sans-serif; font-size: 15px;
+  overflow-wrap: anywhere; }
 .nicegui-content { padding: 12px; max-width: 1500px; margin: 0 auto; display: block; }
 h1 { font-size: 1.3rem; line-height: 1.3; margin: 0 0 4px; font-weight: 600; }
 h2 { font-size: 1.05rem; line-height: 1.3; margin: 0 0 8px; font-weight: 600; }
 h3 { font-size: 0.95rem; line-height: 1.3; margin: 8px 0 4px; font-weight: 600; }
 p { margin: 4px 0 8px; }
-.columns { display: grid; gap: 12px; align-items: start; width: 100%;
+.columns { display: grid; column-gap: 12px; align-items: start; width: 100%;
   grid-template-columns: repeat(auto-fit, minmax(min(100%, 370px), 1fr)); }
-.column { display: flex; flex-direction: column; gap: 12px; min-width: 0; }
+.column { min-width: 0; }
 .panel { background: white; border: 1px solid #d5d8dc; border-radius: 6px; padding: 12px;
-  min-width: 0; flex: none; overflow-x: auto; overflow-y: hidden; }
+  margin-bottom: 12px; overflow-x: auto; }
 .variable { display: grid; grid-template-columns: 1fr 138px; column-gap: 14px; align-items: center;
   margin-bottom: 6px; }
 .variable .name { grid-column: 1 / 3; display: flex; justify-content: space-between; gap: 8px;
@@ -39,6 +40,7 @@ p { margin: 4px 0 8px; }
 table { border-collapse: collapse; width: 100%; font-size: 0.85em; margin: 6px 0 10px; }
 caption { text-align: left; font-weight: 600; padding: 4px 0; }
 th, td { text-align: left; padding: 3px 6px 3px 0; border-top: 1px solid #e6e8ea;
+  overflow-wrap: break-word;
   vertical-align: top; font-weight: 400; font-variant-numeric: tabular-nums; }
 thead th { color: #5f6368; border-top: 0; }
 ul { margin: 4px 0; padding-left: 18px; list-style: disc; font-size: 0.87em; } li { margin: 3px 0; }

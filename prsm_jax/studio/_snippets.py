@@ -20,6 +20,8 @@ _STATUS = {
 }
 #: A change below this share of the quantity has no bar.
 _NOTHING = 1e-9
+#: A relative difference of two designs that is rounding.
+_ROUNDING = 1e-12
 #: Size of the chart of a search [px].
 _WIDE, _HIGH = 320, 90
 
@@ -27,6 +29,16 @@ _WIDE, _HIGH = 320, 90
 def words_of(name: str) -> str:
     """A name of the catalogue in words, escaped."""
     return html.escape(name.replace("_", " "))
+
+
+def labels_of(quantities: Sequence[str]) -> dict[str, str]:
+    """Names of quantities and their components in words, escaped: `nut_radius[2]` is of stage 2."""
+    found: dict[str, str] = {}
+    for name in quantities:
+        base, _, number = name.removesuffix("]").partition("[")
+        alone = not number or f"{base}[2]" not in quantities
+        found[name] = words_of(base) if alone else f"{words_of(base)}, stage {number}"
+    return found
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> str:
@@ -59,7 +71,8 @@ def status_html(verdicts: Verdicts, limits: Sequence[LimitReading], stages: int)
     status = "fail" if broken else verdicts.status
     parts = [f'<p class="status {status}" role="status">{_STATUS[status]}</p>']
     if limits:
-        rows = [_limit_row(one) for one in limits]
+        labels = labels_of([one.quantity for one in limits])
+        rows = [_limit_row(one, labels[one.quantity]) for one in limits]
         head = ("quantity", "value", "limit", "margin", "verdict")
         parts.append(table(head, rows, "Limits of [optimise]"))
     if verdicts.checks:
@@ -70,12 +83,12 @@ def status_html(verdicts: Verdicts, limits: Sequence[LimitReading], stages: int)
     return "".join(parts)
 
 
-def _limit_row(one: LimitReading) -> tuple[str, ...]:
+def _limit_row(one: LimitReading, label: str) -> tuple[str, ...]:
     unit = display_unit(one.unit, [one.value, one.limit], one.quantity)
     sense = "at most" if one.at_most else "at least"
     margin = f"{number(100 * one.margin, 3)} %" if one.limit else in_unit(one.margin, unit, 3)
     value, limit = in_unit(one.value, unit), in_unit(one.limit, unit)
-    return words_of(one.quantity), value, f"{sense} {limit}", margin, _verdict(one.verdict)
+    return label, value, f"{sense} {limit}", margin, _verdict(one.verdict)
 
 
 def _findings(findings: Sequence[Finding]) -> str:
@@ -102,7 +115,7 @@ def numbers_html(numbers: Numbers, variables: Sequence[StudioVariable]) -> str:
 
     The longest bar is the largest relative effect on any quantity.
     """
-    labels = {one.name: one.label for one in variables}
+    names, labels = labels_of(numbers.quantities), {one.name: one.label for one in variables}
     known = np.abs(numbers.relative[np.isfinite(numbers.relative)])
     longest = float(known.max()) if known.size else 0.0
     blocks: list[str] = []
@@ -126,7 +139,7 @@ def numbers_html(numbers: Numbers, variables: Sequence[StudioVariable]) -> str:
             if stateless
         )
         blocks.append(
-            f'<section class="quantity"><h3>{words_of(name)} '
+            f'<section class="quantity"><h3>{names[name]} '
             f'<output data-quantity="{html.escape(name)}" data-si="{value!r}">'
             f"{html.escape(show(value, unit, name))}</output></h3>{bars}</section>"
         )
@@ -141,7 +154,7 @@ def _bar(label: str, change: float, relative: float, longest: float, unit) -> st
     arrow = "" if nothing else {"up": "▲", "down": "▼"}[side]
     words = "no effect" if nothing else ("+" if change > 0 else "") + in_unit(change, unit, 3)
     return (
-        f'<div class="effect"><span>{html.escape(label)} +1 %</span>'
+        f'<div class="effect"><span>{html.escape(label)}</span>'
         f'<span class="arrow {side}">{arrow}</span>'
         f'<span class="track"><span class="bar {side}" style="width:{length:.1f}%"></span></span>'
         f'<span class="change">{html.escape(words)}</span></div>'
@@ -154,10 +167,11 @@ def comparison_html(kept: Numbers, now: Numbers, variables: Sequence[StudioVaria
     for one in variables:
         before, after = kept.design[one.name], now.design[one.name]
         rows.append(_difference(html.escape(one.label), before, after, one.unit, ""))
+    labels = labels_of(now.quantities)
     for name, unit in zip(now.quantities, now.units, strict=True):
         before, after = kept.value(name), now.value(name)
         shown = display_unit(unit, [before, after], name)
-        rows.append(_difference(words_of(name), before, after, shown, name))
+        rows.append(_difference(labels[name], before, after, shown, name))
     return table(("", "A", "now", "difference"), rows, "Design A and the present design")
 
 
@@ -166,26 +180,31 @@ def _difference(label: str, before: float, after: float, unit, quantity: str) ->
         return state_without_efficiency(quantity, value) or in_unit(value, unit)
 
     change = after - before
-    words = "same" if change == 0 else ("+" if change > 0 else "") + in_unit(change, unit, 3)
-    if change and before and math.isfinite(change / before):
+    same = abs(change) <= _ROUNDING * max(abs(before), abs(after))
+    words = "same" if same else ("+" if change > 0 else "") + in_unit(change, unit, 3)
+    if not same and before and math.isfinite(change / before):
         words += f" ({100 * change / abs(before):+.2f} %)".replace("-", "−")
     return label, cell(before), cell(after), words
 
 
-def improvement_html(job: Improvement, variables: Sequence[StudioVariable], unit: str) -> str:
+def improvement_html(
+    job: Improvement, variables: Sequence[StudioVariable], quantity: str, unit: str
+) -> str:
     """The way of a search: its state, the objective of every step, and the best design so far.
 
     **Arguments:**
 
     - `job`: the search.
     - `variables`: of the page.
-    - `unit`: name of the objective with its unit, escaped; may be empty.
+    - `quantity`, `unit`: of the objective [SI]; empty for a sum of several.
     """
     parts = [f'<p role="status"><b>{job.state}</b>: {html.escape(job.message)}</p>']
     steps = [one for one in job.steps if math.isfinite(one.objective)]
     if steps:
         values = [one.objective for one in steps]
         low, high = min(values), max(values)
+        shown = display_unit(unit or "1", values, quantity)
+        name = words_of(quantity or "objective").capitalize()
         across = _WIDE / max(len(values) - 1, 1)
         span = (high - low) or 1.0
         points = [
@@ -201,8 +220,8 @@ def improvement_html(job: Improvement, variables: Sequence[StudioVariable], unit
         parts.append(
             f'<svg class="way" viewBox="-6 -6 {_WIDE + 12} {_HIGH + 12}" role="img" '
             f'aria-label="objective by step"><polyline points="{path}"/>{dots}</svg>'
-            f"<p>Objective{unit} by step, from {number(low)} to {number(high)}; a filled dot keeps "
-            "all limits.</p>"
+            f"<p>{name} by step, from {in_unit(low, shown)} to {in_unit(high, shown)}; a filled "
+            "dot keeps all limits.</p>"
         )
     best = job.best
     if best is not None:

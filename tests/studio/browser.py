@@ -14,8 +14,8 @@ from typing import Any
 
 import prsm_jax
 
-#: Where Debian's packages chromium and chromium-driver put them.
-_BROWSER, _DRIVER = "/usr/bin/chromium", "/usr/bin/chromedriver"
+#: Commands of Debian's packages chromium and chromium-driver.
+_BROWSER, _DRIVER = "chromium", "chromedriver"
 _FLAGS = (
     "--headless=new",
     "--no-sandbox",
@@ -30,10 +30,8 @@ _FLAGS = (
 
 def missing() -> str:
     """What is missing to drive a browser; empty if nothing is."""
-    absent = [path for path in (_BROWSER, _DRIVER) if shutil.which(path) is None]
-    if not absent:
-        return ""
-    return f"{' and '.join(absent)} not installed: run make browser as root"
+    absent = [name for name in (_BROWSER, _DRIVER) if shutil.which(name) is None]
+    return f"{' and '.join(absent)} missing: run make browser as root" if absent else ""
 
 
 @contextlib.contextmanager
@@ -42,11 +40,11 @@ def browser(profile: Path) -> Generator[Any, None, None]:
     from selenium import webdriver
 
     options = webdriver.ChromeOptions()
-    options.binary_location = _BROWSER
+    options.binary_location = shutil.which(_BROWSER) or _BROWSER
     for flag in (*_FLAGS, f"--user-data-dir={profile}"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = webdriver.Chrome(options, webdriver.ChromeService(_DRIVER))
+    driver = webdriver.Chrome(options, webdriver.ChromeService(shutil.which(_DRIVER)))
     try:
         yield driver
     finally:

@@ -132,8 +132,8 @@ def _picture(driver, name: str, width: int) -> None:
 
 def test_the_studio_in_a_browser(tmp_path, small):
     if lacking := missing():
-        # In CI the browser is there (`make browser`), or this test fails.
-        (pytest.fail if os.environ.get("CI_BROWSER") else pytest.skip)(lacking)
+        required = os.environ.get("PRSM_TEST_BROWSER") == "required"
+        (pytest.fail if required else pytest.skip)(lacking)
     # Programs that earlier runs have compiled.
     cache = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]
     environment = {"PRSM_JAX_CACHE": str(cache or "")}
@@ -148,7 +148,7 @@ def test_the_studio_in_a_browser(tmp_path, small):
         first = _until(lambda: _shown(driver), "numbers")
         assert set(first) == {"efficiency", "drive_torque", "max_pressure", "nut_radius[1]"}
         _until(lambda: "Fail" in _text(driver, "status"), "status")
-        assert "nut radius[1]" in _text(driver, "status")
+        assert "nut radius" in _text(driver, "status")
         _refuses_strangers(address)
 
         # A field: every number on the page is that of the Python API.
@@ -200,7 +200,7 @@ def test_the_studio_in_a_browser(tmp_path, small):
         _until(lambda: _shown(driver)["nut_radius[1]"][0] < 14.0001e-3, "a design within limits")
         _until(lambda: "Fail" not in _text(driver, "status"), "status of the new design")
         # The nut of 14 mm is smaller than that of A by 1 mm.
-        assert re.search(r"nut radius\[1\].*−1\.000?.?mm", _text(driver, "comparison"))
+        assert re.search(r"nut radius.*−1\.000?.?mm", _text(driver, "comparison"))
 
         # Files.
         _press(driver, "Save")
@@ -211,7 +211,7 @@ def test_the_studio_in_a_browser(tmp_path, small):
             _shown(driver)["nut_radius[1]"][0], rel=1e-12
         )
         _press(driver, "Save")
-        _until(lambda: "exists already" in _text(driver, "error"), "no silent replacement")
+        _until(lambda: "exists already" in _text(driver, "files"), "no silent replacement")
 
         _picture(driver, "wide", 1280)
         # One column, nothing beyond the edge.
