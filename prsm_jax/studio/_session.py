@@ -7,7 +7,7 @@ from pathlib import Path
 
 from .._errors import PrsmError
 from ..file import apply_settings, edit, load, round_in_unit, source_text
-from ..mechanism import Mechanism
+from ..mechanism import Mechanism, find_parameters
 from ..quantities import catalogue
 from ..report import analyse, origin_of_file, section_svg, write_report
 from ._folder import ChosenFolder
@@ -48,14 +48,16 @@ class Session:
     def __init__(self, source: str, folder: Path | str, settings: Sequence[str] = ()):
         loaded = load(source)
         self.original: Mechanism = apply_settings(loaded, settings) if settings else loaded
-        self.source, self.settings = source, tuple(settings)
+        self.source: str = source
+        self.settings: tuple[str, ...] = tuple(settings)
         self.folder: ChosenFolder = ChosenFolder(folder)
         self.variables: tuple[StudioVariable, ...] = studio_variables(self.original)
         if not self.variables:
             raise PrsmError(f"{source}: has no number to move; give an [optimise] table with some")
         present = present_values(self.original, self.variables)
-        self._base = with_values(self.original, present)
-        self._history = self._first = History.of(present)
+        self._base: Mechanism = with_values(self.original, present)
+        self._first: History = History.of(present)
+        self._history: History = self._first
         self._lock = threading.RLock()
         #: Counts changes, so that a page knows when to draw itself anew.
         self.version: int = 0
@@ -63,6 +65,8 @@ class Session:
         self.kept: Numbers | None = None
         self.improvement: Improvement | None = None
         self._quantities: tuple[str, ...] | None = None
+        #: The last design and its mechanism: drawing, numbers and verdicts share it.
+        self._last: tuple[dict[str, float], Mechanism] = dict(present), self._base
 
     @property
     def design(self) -> Values:
@@ -98,7 +102,8 @@ class Session:
         value = self.variable(name).read(shown)
         with self._lock:
             moved = self._history.moved({name: value})
-            with_values(self._base, moved.present)
+            # A design that cannot be is refused here.
+            self._with(moved.present)
             self._become(moved)
 
     def commit(self) -> None:
@@ -133,20 +138,27 @@ class Session:
         With the values of the file it is that of the file.
         """
         values = self.design if design is None else design
-        return self.original if values == self._first.present else with_values(self._base, values)
+        return self.original if values == self._first.present else self._with(values)
+
+    def _with(self, values: Values) -> Mechanism:
+        """The mechanism with values, each a number of its own: one structure for all designs."""
+        known, mechanism = self._last
+        if known != values:
+            mechanism = with_values(self._base, values)
+            self._last = dict(values), mechanism
+        return mechanism
 
     def numbers(self, design: Values | None = None) -> Numbers:
         """Values and derivatives of a design; compiles at first, then takes milliseconds."""
         values = dict(self.design if design is None else design)
-        # Of one structure for all designs, so that there is one program.
-        mechanism = with_values(self._base, values)
+        mechanism = self._with(values)
         if self._quantities is None:
             self._quantities = shown_quantities(mechanism)
         return numbers_of(mechanism, values, self._quantities)
 
     def verdicts(self, design: Values | None = None) -> Verdicts:
         """Checks and findings of a design; compiles at first, then takes milliseconds."""
-        return verdicts_of(with_values(self._base, self.design if design is None else design))
+        return verdicts_of(self._with(self.design if design is None else design))
 
     def limits(self, numbers: Numbers) -> tuple[LimitReading, ...]:
         """The limits of the file's `[optimise]` table beside numbers; none without a table."""
@@ -155,7 +167,7 @@ class Session:
 
     def drawings(self, design: Values | None = None) -> tuple[tuple[str, str, float], ...]:
         """Both views of every stage as SVG, and their scale."""
-        mechanism = with_values(self._base, self.design if design is None else design)
+        mechanism = self._with(self.design if design is None else design)
         return tuple(section_svg(mechanism, i + 1) for i in range(len(mechanism.stages)))
 
     def keep(self, numbers: Numbers) -> None:
@@ -189,7 +201,7 @@ class Session:
             if self.improvement is not None and self.improvement.running:
                 raise PrsmError("a search runs already; stop it first")
             self.commit()
-            self.improvement = Improvement(with_values(self._base, self.design))
+            self.improvement = Improvement(self._with(self.design))
             return self.improvement
 
     def take_improvement(self) -> None:
@@ -200,15 +212,12 @@ class Session:
         best = None if self.improvement is None else self.improvement.best
         if best is None:
             raise PrsmError("the search has found no design that keeps all limits")
-        units = {name: self._parameter_unit(name) for name in best}
-        rounded = {name: round_in_unit(best[name], units[name], _DIGITS) for name in best}
+        rounded = {
+            name: round_in_unit(value, find_parameters(self._base, name)[0].unit, _DIGITS)
+            for name, value in best.items()
+        }
         with self._lock:
             self._become(self._history.committed().moved(rounded).committed())
-
-    def _parameter_unit(self, name: str) -> str:
-        from ..mechanism import find_parameters
-
-        return find_parameters(self._base, name)[0].unit
 
     def text(self) -> str:
         """The text of the file with the present values; comments and order stay."""

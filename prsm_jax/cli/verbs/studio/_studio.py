@@ -7,9 +7,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .._app import app
-from .._common import Common, emit
-from .._progress import clear
+from ..._app import app
+from ..._common import Common, emit
+from ..._progress import clear
 
 _DEFAULT = Common()
 
@@ -34,7 +34,7 @@ def studio(
     --out (default out/studio) and nowhere else.
     """
     common.check_targets("out/studio")
-    from ...studio import Session, needs_extra, serve
+    from ....studio import Session, needs_extra, serve
 
     needs_extra()
     folder = Path("out/studio") if common.out is None else common.out
