@@ -1,4 +1,4 @@
-"""The page: controls on the left, the drawing and the status in the middle, numbers on the right.
+"""The page: controls on the left, drawing and status in the middle, numbers on the right.
 
 It only shows a `Session` and passes on what is moved; everything else happens there.
 """
@@ -15,7 +15,14 @@ from ..quantities import find_quantity
 from ._page_style import STYLE
 from ._readings import Numbers
 from ._session import REPORT, Session
-from ._snippets import comparison_html, improvement_html, numbers_html, status_html
+from ._snippets import (
+    checks_html,
+    comparison_html,
+    improvement_html,
+    notes_html,
+    numbers_html,
+    status_html,
+)
 from ._variables import StudioVariable
 
 #: How often the page looks for news of a search and of other windows [s].
@@ -45,22 +52,27 @@ class Page:
             f'<p class="quiet">{html.escape(session.source)}; files are written into '
             f"{html.escape(str(session.folder.path))} only</p>"
         )
-        with ui.element("main").classes("columns"):
-            with ui.element("div").classes("column"):
+        with ui.element("main").classes("studio-columns"):
+            with ui.element("div").classes("studio-column"):
                 self._design_panel()
                 self._improve_panel()
+                self._compare_panel()
                 self._files_panel()
-            with ui.element("div").classes("column"):
+            with ui.element("div").classes("studio-column"):
                 with _panel("Drawing to scale, in mm"):
                     self._drawing = _html('<p class="quiet">drawing</p>', "drawing")
                 with _panel("Status"):
                     self._status = _html('<p class="quiet">compiling: up to two minutes</p>')
                     self._status.props('aria-live=polite data-part="status"')
-            with ui.element("div").classes("column"):
-                with _panel("Numbers, and what 1 % more of a variable does to them"):
-                    self._values = _html('<p class="quiet">compiling: up to two minutes</p>')
-                    self._values.props('data-part="numbers"')
-                self._compare_panel()
+                    # Not part of the status itself, which is replaced: what is open stays open.
+                    with ui.expansion("All checks").props("dense dense-toggle"):
+                        self._checks = _html("").props('data-part="checks"')
+                    with ui.expansion("Notes").props("dense dense-toggle"):
+                        self._notes = _html("").props('data-part="notes"')
+            title = "Numbers, and what 1 % more of a variable does to them"
+            with ui.element("div").classes("studio-column"), _panel(title):
+                self._values = _html('<p class="quiet">compiling: up to two minutes</p>')
+                self._values.props('data-part="numbers"')
         ui.timer(_TICK_S, self._tick)
 
     def _design_panel(self) -> None:
@@ -232,6 +244,8 @@ class Page:
             verdicts = await asyncio.to_thread(session.verdicts, design)
             stages = len(session.original.stages)
             self._status.content = status_html(verdicts, session.limits(numbers), stages)
+            self._checks.content = checks_html(verdicts.checks, stages) or "<p>none</p>"
+            self._notes.content = notes_html(verdicts.findings)
         except (PrsmError, ValueError) as error:
             self._status.content = f'<p class="status fail">{html.escape(str(error))}</p>'
 

@@ -8,9 +8,9 @@ h1 { font-size: 1.3rem; line-height: 1.3; margin: 0 0 4px; font-weight: 600; }
 h2 { font-size: 1.05rem; line-height: 1.3; margin: 0 0 8px; font-weight: 600; }
 h3 { font-size: 0.95rem; line-height: 1.3; margin: 8px 0 4px; font-weight: 600; }
 p { margin: 4px 0 8px; }
-.columns { display: grid; column-gap: 12px; align-items: start; width: 100%;
+.studio-columns { display: grid; column-gap: 12px; align-items: start; width: 100%;
   grid-template-columns: repeat(auto-fit, minmax(min(100%, 370px), 1fr)); }
-.column { min-width: 0; }
+.studio-column { min-width: 0; }
 .panel { background: white; border: 1px solid #d5d8dc; border-radius: 6px; padding: 12px;
   margin-bottom: 12px; overflow-x: auto; }
 .variable { display: grid; grid-template-columns: 1fr 138px; column-gap: 14px; align-items: center;
@@ -23,7 +23,7 @@ p { margin: 4px 0 8px; }
 .quantity { border-top: 1px solid #e6e8ea; padding: 4px 0; }
 .quantity h3 { display: flex; justify-content: space-between; gap: 8px; margin: 2px 0; }
 .quantity output { font-variant-numeric: tabular-nums; white-space: nowrap; }
-.effect { display: grid; grid-template-columns: 11.5em 1em 1fr 7.5em; gap: 6px; font-size: 0.85em;
+.effect { display: grid; grid-template-columns: 11em 1em 1fr 8.5em; gap: 6px; font-size: 0.85em;
   align-items: center; color: #3c4043; }
 .effect .track { height: 7px; background: #eef0f2; border-radius: 2px; overflow: hidden; }
 .effect .bar { display: block; height: 100%; }
@@ -43,6 +43,7 @@ th, td { text-align: left; padding: 3px 6px 3px 0; border-top: 1px solid #e6e8ea
   overflow-wrap: break-word;
   vertical-align: top; font-weight: 400; font-variant-numeric: tabular-nums; }
 thead th { color: #5f6368; border-top: 0; }
+details, .q-expansion-item { font-size: 0.95em; }
 ul { margin: 4px 0; padding-left: 18px; list-style: disc; font-size: 0.87em; } li { margin: 3px 0; }
 .way { width: 100%; max-width: 420px; height: auto; }
 .way polyline { fill: none; stroke: #5f6368; stroke-width: 1; }
@@ -53,7 +54,7 @@ ul { margin: 4px 0; padding-left: 18px; list-style: disc; font-size: 0.87em; } l
 :focus-visible { outline: 2px solid #0072b2; outline-offset: 2px; }
 @media (max-width: 500px) {
   .nicegui-content { padding: 6px; } .panel { padding: 8px; }
-  .effect { grid-template-columns: 9.5em 1em 1fr 6.2em; gap: 4px; font-size: 0.8em; }
+  .effect { grid-template-columns: 9.5em 1em 1fr 8.2em; gap: 4px; font-size: 0.8em; }
   table { font-size: 0.78em; } th, td { padding-right: 4px; }
 }
 """

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from ..findings import StrengthCheck
 from ..geometry import Finding
 from ..report import checks_table
 from ..text import display_unit, in_unit, number, show, state_without_efficiency
@@ -59,7 +60,7 @@ def _verdict(word: str) -> str:
 
 
 def status_html(verdicts: Verdicts, limits: Sequence[LimitReading], stages: int) -> str:
-    """The status box: the worst verdict, checks with margins, limits of the file, findings.
+    """The status box: the worst verdict, limits of the file, broken checks, errors and warnings.
 
     **Arguments:**
 
@@ -75,12 +76,25 @@ def status_html(verdicts: Verdicts, limits: Sequence[LimitReading], stages: int)
         rows = [_limit_row(one, labels[one.quantity]) for one in limits]
         head = ("quantity", "value", "limit", "margin", "verdict")
         parts.append(table(head, rows, "Limits of [optimise]"))
-    if verdicts.checks:
-        shown = checks_table("Checks", verdicts.checks, stages)
-        rows = [(*map(html.escape, row[:-1]), _verdict(row[-1])) for row in shown.rows]
-        parts.append(table(tuple(map(html.escape, shown.head)), rows, "Checks"))
-    parts.append(_findings(verdicts.findings))
+    told = [one for one in verdicts.checks if one.verdict in ("warning", "fail")]
+    parts.append(checks_html(told, stages))
+    findings = [one for one in verdicts.findings if one.severity != "note"]
+    parts.append("<h3>Findings</h3>" + (_findings(findings) or "<p>No error and no warning.</p>"))
     return "".join(parts)
+
+
+def checks_html(checks: Sequence[StrengthCheck], stages: int) -> str:
+    """Checks with value, limit, margin and verdict; empty without any."""
+    if not checks:
+        return ""
+    shown = checks_table("Checks", checks, stages)
+    rows = [(*map(html.escape, row[:-1]), _verdict(row[-1])) for row in shown.rows]
+    return table(tuple(map(html.escape, shown.head)), rows, "Checks")
+
+
+def notes_html(findings: Sequence[Finding]) -> str:
+    """Findings that are for information."""
+    return _findings([one for one in findings if one.severity == "note"]) or "<p>none</p>"
 
 
 def _limit_row(one: LimitReading, label: str) -> tuple[str, ...]:
@@ -92,14 +106,8 @@ def _limit_row(one: LimitReading, label: str) -> tuple[str, ...]:
 
 
 def _findings(findings: Sequence[Finding]) -> str:
-    told = [one for one in findings if one.severity != "note"]
-    notes = [one for one in findings if one.severity == "note"]
-    lines = "".join(_finding(one) for one in told) or "<li>No error and no warning.</li>"
-    words = f"<h3>Findings</h3><ul>{lines}</ul>"
-    if notes:
-        inner = "".join(_finding(one) for one in notes)
-        words += f"<details><summary>Notes: {len(notes)}</summary><ul>{inner}</ul></details>"
-    return words
+    lines = "".join(map(_finding, findings))
+    return f"<ul>{lines}</ul>" if lines else ""
 
 
 def _finding(one: Finding) -> str:
@@ -113,11 +121,9 @@ def _finding(one: Finding) -> str:
 def numbers_html(numbers: Numbers, variables: Sequence[StudioVariable]) -> str:
     """Every quantity with its value, and a bar for what 1 % more of each variable does to it.
 
-    The longest bar is the largest relative effect on any quantity.
+    The longest bar of a quantity is that of the variable with the largest effect on it.
     """
     names, labels = labels_of(numbers.quantities), {one.name: one.label for one in variables}
-    known = np.abs(numbers.relative[np.isfinite(numbers.relative)])
-    longest = float(known.max()) if known.size else 0.0
     blocks: list[str] = []
     if not numbers.valid:
         blocks.append(
@@ -126,6 +132,8 @@ def numbers_html(numbers: Numbers, variables: Sequence[StudioVariable]) -> str:
         )
     for row, (name, unit) in enumerate(zip(numbers.quantities, numbers.units, strict=True)):
         value = float(numbers.values[row])
+        known = np.abs(numbers.relative[row])
+        longest = float(np.max(known, where=np.isfinite(known), initial=0.0))
         stateless = not state_without_efficiency(name, value) and math.isfinite(value)
         bars = "".join(
             _bar(

@@ -213,6 +213,23 @@ def test_the_studio_in_a_browser(tmp_path, small):
         _press(driver, "Save")
         _until(lambda: "exists already" in _text(driver, "files"), "no silent replacement")
 
+        # The report is written while the page lives, and opens without an error in its console.
+        _press(driver, "Write report")
+        _until(lambda: "Open the report" in _text(driver, "files"), "the report")
+        window = driver.current_window_handle
+        driver.find_element("link text", "Open the report").click()
+        _until(lambda: len(driver.window_handles) == 2, "a window with the report")
+        driver.switch_to.window(next(one for one in driver.window_handles if one != window))
+        _until(lambda: driver.execute_script("return document.readyState") == "complete", "report")
+        assert driver.find_element("css selector", "h1").text == "Small <screw> & nut"
+        assert driver.current_url == f"{address}files/report/report.html"
+        assert "contact_angle=55 deg" in driver.page_source
+        # Its world is not that of the page: it has no storage and no cookies of this address.
+        assert driver.execute_script("return window.origin") == "null"
+        assert [line["message"] for line in driver.get_log("browser")] == []
+        driver.close()
+        driver.switch_to.window(window)
+
         _picture(driver, "wide", 1280)
         # One column, nothing beyond the edge.
         driver.set_window_size(400, 800)
@@ -226,6 +243,10 @@ def test_the_studio_in_a_browser(tmp_path, small):
             ".map(e => Math.round(e.getBoundingClientRect().left))"
         )
         assert len(set(lefts)) == 1
+        assert driver.execute_script(
+            "return [...document.querySelectorAll('.panel')]"
+            ".every(e => e.scrollHeight <= e.clientHeight && e.scrollWidth <= e.clientWidth)"
+        )
         _picture(driver, "narrow", 400)
         assert [line["message"] for line in driver.get_log("browser")] == []
         loaded = driver.execute_script(
@@ -240,4 +261,4 @@ def test_the_studio_in_a_browser(tmp_path, small):
         assert process.stderr is not None
         assert process.stderr.read().strip() == "prsm: stopped (Ctrl-C)"
     assert {path.name for path in tmp_path.iterdir()} <= {"address.json", "chosen", "profile"}
-    assert [path.name for path in (tmp_path / "chosen").iterdir()] == ["design.toml"]
+    assert {path.name for path in (tmp_path / "chosen").iterdir()} == {"design.toml", "report"}

@@ -80,9 +80,8 @@ def test_values_and_bars():
         "rating life time, stage 1",
         "rating life time, stage 2",
     )
-    longest = np.abs(numbers.relative).max()
     for row, (block, label) in enumerate(zip(blocks, labels, strict=True)):
-        unit = numbers.units[row]
+        unit, longest = numbers.units[row], np.abs(numbers.relative[row]).max()
         assert f"<h3>{label} " in block
         shown = re.search(r"<output[^>]*>(.*)</output>", block)
         assert shown is not None
@@ -128,12 +127,20 @@ def test_status():
     page = _snippets.status_html(Verdicts(checks, (finding,), "fail"), limits, 1)
     assert 'class="status fail"' in page
     assert "teeth &lt;touch&gt;" in page
-    (_, (_, limit)), (_, (_, *rows)) = html_tables(page)
+    (_, (_, limit)), (_, (_, *broken)) = html_tables(page)
+    ((_, (_, *rows)),) = html_tables(_snippets.checks_html(checks, 1))
     assert limit[0] == "nut radius"
     assert_reads(limit[1], (15e-3, "m"))
     assert_reads(limit[2].removeprefix("at most "), (14e-3, "m"))
     assert_reads(limit[3], (-1 / 14, "1", "coarse"))
     assert [row[-1] for row in rows] == ["pass", "fail"]
+    # In the box itself only what is broken.
+    assert broken == rows[1:]
+    assert_reads(rows[1][1], (2.1e9, "Pa"))
+    assert_reads(rows[1][2].removeprefix("at most "), (1.9e9, "Pa"))
+    assert_reads(rows[1][3], (-0.105, "1", "coarse"))
+    assert "backlash" in page
+    assert "backlash" not in _snippets.notes_html((finding,))
     # A limit of the file that is broken is a failure, whatever the checks say.
     page = _snippets.status_html(Verdicts(checks[:1], (), "pass"), limits, 1)
     assert 'class="status fail"' in page
