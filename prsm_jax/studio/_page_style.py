@@ -34,7 +34,7 @@ p { margin: 4px 0 8px; }
 .status.pass { background: #d9f0e6; color: #00573f; }
 .status.warning { background: #fdf0d0; color: #6b4a00; }
 .status.fail { background: #fbdfd0; color: #8a3200; }
-.verdict { font-weight: 600; white-space: nowrap; }
+.verdict { font-weight: 600; white-space: nowrap; } .unbroken { white-space: nowrap; }
 .verdict.pass { color: #00694c; } .verdict.warning { color: #8a5f00; }
 .verdict.fail { color: #b34700; } .verdict.no-limit, .verdict.note { color: #5f6368; }
 table { border-collapse: collapse; width: 100%; font-size: 0.85em; margin: 6px 0 10px; }

@@ -101,8 +101,13 @@ def _limit_row(one: LimitReading, label: str) -> tuple[str, ...]:
     unit = display_unit(one.unit, [one.value, one.limit], one.quantity)
     sense = "at most" if one.at_most else "at least"
     margin = f"{number(100 * one.margin, 3)} %" if one.limit else in_unit(one.margin, unit, 3)
-    value, limit = in_unit(one.value, unit), in_unit(one.limit, unit)
-    return label, value, f"{sense} {limit}", margin, _verdict(one.verdict)
+    value, limit = _unbroken(in_unit(one.value, unit)), _unbroken(in_unit(one.limit, unit))
+    return label, value, f"{sense} {limit}", _unbroken(margin), _verdict(one.verdict)
+
+
+def _unbroken(words: str) -> str:
+    """A number with its unit, in one line."""
+    return f'<span class="unbroken">{html.escape(words)}</span>'
 
 
 def _findings(findings: Sequence[Finding]) -> str:

@@ -5,6 +5,7 @@ import json
 import math
 import re
 from html import unescape
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from prsm_jax.geometry import Finding
 from prsm_jax.studio import LimitReading, Numbers, Verdicts, _snippets, studio_variables
 from prsm_jax.text import display_unit
 
+_SMALL = Path(__file__).parents[2] / "studio" / "small_screw.toml"
 _ADDRESS = "http://127.0.0.1:4711/token/"
 
 
@@ -33,7 +35,7 @@ def test_studio(monkeypatch, tmp_path, capsys):
         told(_ADDRESS)
 
     monkeypatch.setattr(prsm_jax.studio, "serve", serve)
-    verb = ["studio", "wu2022", "--port", "4711", "--set", "lead=9 mm", "--out", "mine"]
+    verb = ["studio", str(_SMALL), "--port", "4711", "--set", "lead=9 mm", "--out", "mine"]
     assert main([*verb, "--no-browser"]) == 0
     assert capsys.readouterr().out.splitlines()[0] == _ADDRESS
     assert main([*verb, "--json", "-"]) == 0
@@ -41,7 +43,7 @@ def test_studio(monkeypatch, tmp_path, capsys):
     assert found == {"address": _ADDRESS, "folder": str(tmp_path / "mine")}
     session, port = served[-1]
     assert port == 4711
-    assert session.design["lead"] == 9e-3
+    assert float(session.original.stages[0].thread.lead) == 9e-3
     assert not list(tmp_path.iterdir())
 
 
