@@ -11,12 +11,13 @@ TEST_STAMP := $(VENV)/.installed-test
 DOCS_STAMP := $(VENV)/.installed-docs
 WORKERS ?= 2
 
-.PHONY: help demo test slow versions lint bench guard docs notebooks clean
+.PHONY: help demo test slow browser versions lint bench guard docs notebooks clean
 
 help:
 	@echo "make demo       analyse and improve the actuator example into out/demo/"
 	@echo "make test       run the tests, but not the slow ones; ROOM=dynamics: those of one room"
 	@echo "make slow       run the slow tests; ROOM=dynamics: those of one room"
+	@echo "make browser    install the browser that tests the studio, where it is missing (as root)"
 	@echo "make versions   test the core paths with the lowest and the newest versions"
 	@echo "make lint       ruff, pyright, and the types of public names"
 	@echo "make bench      error against run time, all cases: out/bench/, and the page in docs/"
@@ -55,6 +56,20 @@ test slow: $(TEST_STAMP)
 	files=$$($(BIN)/python -m tests.of_room $(ROOM)) && \
 	  $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "$(CHOICE)" $$files || \
 	  { status=$$?; test -n "$(ROOM)" -a $$status -eq 5 && echo "ROOM=$(ROOM): no such tests"; }
+
+# Debian's packages. Without them the slow test of the studio is skipped, or fails where
+# PRSM_TEST_BROWSER=required, as in CI.
+browser:
+	@if command -v chromium >/dev/null && command -v chromedriver >/dev/null; then \
+	  echo "chromium and chromedriver are there"; \
+	elif test "$$(id -u)" -eq 0 && command -v apt-get >/dev/null; then \
+	  echo "installing chromium and chromedriver"; \
+	  { apt-get -qq update && \
+	    DEBIAN_FRONTEND=noninteractive apt-get -qq -y --no-install-recommends install \
+	      chromium chromium-driver; } >/dev/null || echo "they could not be installed"; \
+	else \
+	  echo "chromium and chromedriver are missing: install them as root"; \
+	fi
 
 # The tests of the core paths with the lowest versions that pyproject.toml allows, and with the
 # newest ones on other Pythons; one that is not on this machine is named as not tested.

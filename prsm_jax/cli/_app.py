@@ -37,6 +37,7 @@ EXAMPLES = {
     "simulate": "prsm simulate actuator_mission --samples 2000 --out out",
     "steady": "prsm steady actuator --set 'lead=12 mm' --json steady.json",
     "strength": "prsm strength actuator --out out",
+    "studio": "prsm studio actuator --out my_designs",
     "study": "prsm study actuator --driver lead --maximise efficiency --out out",
     "sweep": "prsm sweep wu2022 --axis 'lead=8 mm:12 mm:5' --quantities mass --out out",
     "tolerance": "prsm tolerance actuator_tolerances --method first_order --out out",

@@ -13,7 +13,7 @@ from ._choices import best_of_choices, choices_of
 from ._problem import number, present_design, problem_of, robust
 from ._searches import Searches
 from ._starts import starting_positions
-from .results import Optimum, Reporter, optimum_of
+from .results import Design, Optimum, Reporter, optimum_of
 from .search import Evaluator, SearchMethod, Slsqp, search_of
 
 
@@ -39,6 +39,7 @@ def optimise(
     tolerance: float = 1e-6,
     max_iterations: int | None = None,
     progress: bool | Callable[[int, int, int], None] = False,
+    watch: Callable[[int, int, int, Design], None] | None = None,
     respect_findings: bool = True,
 ) -> Optimum:
     r"""Find the best design within bounds and constraints, by exact gradients from several starts.
@@ -92,6 +93,8 @@ def optimise(
     - `max_iterations`: per start, for a method given by a word; default by method.
     - `progress`: show a progress bar over the starts; or a function that is called at every
       iteration with the number of the start (from 1), the number of starts, and the iteration.
+    - `watch`: called at every iteration with the same numbers and the `Design`. An exception that
+      it raises ends the search.
     - `respect_findings`: whether errors of `check` are constraints; if not, the result may be a
       design that cannot be built.
 
@@ -122,6 +125,7 @@ def optimise(
             tolerance=tolerance,
             max_iterations=max_iterations,
             progress=progress,
+            watch=watch,
             respect_findings=respect_findings,
         )
 
@@ -143,6 +147,7 @@ def _of_fixed_choices(
     tolerance: float,
     max_iterations: int | None,
     progress: bool | Callable[[int, int, int], None],
+    watch: Callable[[int, int, int, Design], None] | None,
     respect_findings: bool,
 ) -> Optimum:
     """`optimise` without choices; `counts` as for `Evaluator`."""
@@ -174,6 +179,7 @@ def _of_fixed_choices(
 
     searches = Searches(evaluator, report, tolerance, count)
     searches.tell = progress if callable(progress) else None
+    searches.watch = watch
     bounds_only = not search.accepts_constraints
     evaluator.guard(bounds_only)
     searches.run_all(search, _progress(positions, progress is True))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from .results import Optimality, Reporter, Run, run_report, worst_case_optimality
+from .results import Design, Optimality, Reporter, Run, run_report, worst_case_optimality
 from .search import (
     Evaluator,
     MarginRow,
@@ -31,6 +31,8 @@ class Searches:
         self._evaluator, self._report, self._tolerance = evaluator, report, tolerance
         #: Called with the number of the start (from 1), the number of starts, and the iteration.
         self.tell: Callable[[int, int, int], None] | None = None
+        #: Called with the same numbers and the design of the iteration.
+        self.watch: Callable[[int, int, int, Design], None] | None = None
         self._count = count
         self.runs: list[Run] = []
         self._ends: list[tuple[Point, Optimality] | None] = []
@@ -46,9 +48,12 @@ class Searches:
         for position in positions:
             number = len(self.runs) + 1
 
-            def step(iteration: int, number: int = number) -> None:
+            def step(iteration: int, point: Point, number: int = number) -> None:
+                count = max(self._count, number)
                 if self.tell is not None:
-                    self.tell(number, max(self._count, number), iteration)
+                    self.tell(number, count, iteration)
+                if self.watch is not None:
+                    self.watch(number, count, iteration, self._report.design(point))
 
             run, end = _run(self._evaluator, self._report, method, position, self._tolerance, step)
             self.runs.append(run)
@@ -189,16 +194,16 @@ def _run(
     method: SearchMethod,
     start: np.ndarray,
     tolerance: float,
-    step: Callable[[int], None],
+    step: Callable[[int, Point], None],
 ) -> tuple[Run, tuple[Point, Optimality] | None]:
     """One search, with its end and the optimality there; `None` if no design was usable."""
     first = evaluator.point(start)
     history = [first]
-    step(0)
+    step(0, first)
 
     def note(position: np.ndarray) -> None:
         history.append(evaluator.point(position))
-        step(len(history) - 1)
+        step(len(history) - 1, history[-1])
 
     if not first.good:
         message = "the start fails: no meshing, a pulling contact, or a value that is not finite"

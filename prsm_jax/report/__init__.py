@@ -54,7 +54,7 @@ from .document import (
     write_report as write_report,
     write_study as write_study,
 )
-from .drawings import cross_section as cross_section
+from .drawings import cross_section as cross_section, section_svg as section_svg
 from .motion_charts import (
     PowerFlow as PowerFlow,
     energy_flow as energy_flow,

@@ -58,6 +58,7 @@ LAYERS["report"] = _PHYSICS | {
     "studies",
 }
 LAYERS["exchange"] = LAYERS["report"] | {"report"}
+LAYERS["studio"] = _PHYSICS | {"file", "sensitivities", "optimisation", "report"}
 LAYERS["cli"] = set(LAYERS)
 LAYERS = GROUND | {room: below | set(GROUND) for room, below in LAYERS.items()}
 

@@ -36,6 +36,9 @@ HEAVY = (
     "rich",
     "tqdm",
     "mpmath",
+    "nicegui",
+    "fastapi",
+    "uvicorn",
 )
 #: Rooms that serve the package alone: no page of the documentation names them to users.
 WITHOUT_PAGE = {"text"}

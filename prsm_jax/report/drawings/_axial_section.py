@@ -4,7 +4,7 @@ import numpy as np
 
 from ...text import trimmed
 from .._style import INK
-from ._drafting import Canvas
+from ._canvas import Canvas
 from ._drawing_dimensions import DrawingDimensions
 from ._thread_profile import (
     nut_profile,

@@ -23,7 +23,8 @@ from ._axial_section import (
     draw_axial_section,
     drawn_half_length,
 )
-from ._drafting import CONTACT_COLOURS, place_sheet
+from ._canvas import CONTACT_COLOURS
+from ._drafting import place_sheet
 from ._drawing_dimensions import DrawingDimensions, drawing_dimensions
 from ._transverse_view import (
     ABOVE as ABOVE_VIEW,

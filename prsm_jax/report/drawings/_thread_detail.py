@@ -6,7 +6,8 @@ import numpy as np
 
 from ...text import trimmed
 from .._style import BODY_COLOURS, INK, SMALL
-from ._drafting import CONTACT_COLOURS, Sheet
+from ._canvas import CONTACT_COLOURS
+from ._drafting import Sheet
 from ._drawing_dimensions import DrawingDimensions
 from ._thread_profile import (
     nut_half_thickness,

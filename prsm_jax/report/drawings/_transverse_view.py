@@ -5,7 +5,7 @@ from typing import Any
 
 from ...text import trimmed
 from .._style import BODY_COLOURS, MUTED
-from ._drafting import Canvas, Length
+from ._canvas import Canvas, Length
 from ._drawing_dimensions import DrawingDimensions
 
 #: Space for the dimensions above and below the view, on paper [mm].
