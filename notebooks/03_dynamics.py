@@ -76,24 +76,15 @@ report.force_orbit(mechanism, run)
 
 # %%
 folder = tempfile.mkdtemp()
-Image(report.save_motion_animation(f"{folder}/motion", mechanism, run, frames=20).read_bytes())
+Image(report.save_motion_animation(f"{folder}/motion", mechanism, run, frames=12).read_bytes())
 
 # %% [markdown]
-# ## Which solver, and how wrong is it?
-# The run above is a closed form, which exists at constant speed and load with Coulomb friction. It
-# makes the true error of an integrator visible, here with a tolerance of 10⁻⁶:
-
-# %%
-other = simulate(mechanism, scene, method="rosenbrock", rtol=1e-6, atol=1e-8)
-error = float(jnp.abs(other.carrier_ratio - run.carrier_ratio).max())
-print(f"{other.solver.name}: {int(other.solver.steps)} steps, error {error:.1e}")
-
-# %% [markdown]
-# By default, `simulate` chooses a method for the scenario, and `choose_method` says why. The
-# mission below lasts seconds and carriers settle in microseconds, so it takes quasi-steady
-# carriers: it integrates nothing and estimates the resulting error.
-#
 # ## A mission with reversals
+# By default, `simulate` chooses a method for the scenario, and `choose_method` says why: the run
+# above is a closed form (notebook 06 compares the integrators with it). The mission below lasts
+# seconds and carriers settle in microseconds, so it takes quasi-steady carriers: it integrates
+# nothing and estimates the resulting error.
+#
 # Forth and back, twice, as fast as limits of speed, acceleration and jerk allow, against a spring
 # and a mass: the load drives on the way back.
 
