@@ -65,10 +65,9 @@ class Dimensioning(Shown):
         size = self.size
         words = f"{size['nominal_diameter_mm']:g} × {size['lead_mm']:g} mm, {size['starts']:g}"
         chosen = Line("size", f"{words} starts")
+        heading = Line("reserves (at least 1):", "")
         lines = [Line(_WORDS[name], value) for name, value in self.margins.items()]
-        return aligned(
-            "Dimensioning", [*wanted, chosen, Line("reserves (at least 1):", ""), *lines]
-        )
+        return aligned("Dimensioning", [*wanted, chosen, heading, *lines])
 
     def sentences(self) -> list[str]:
         """What to relax, one sentence for each requirement; empty if a size fits."""

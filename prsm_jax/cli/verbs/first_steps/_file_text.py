@@ -87,7 +87,7 @@ def _rule_words(pitch: float) -> dict[str, str]:
             f"pitch circles that fit side by side, less {FITTED.spare_rollers}; fewer where crests "
             "would touch"
         ),
-        "stage.engaged_threads": f"loaded thread of a roller over the pitch; it has {thread}",
+        "stage.engaged_threads": f"length of loaded thread over the pitch; the length is {thread}",
         "stage.roller.length": f"{roller}; gears and journals are beside the thread",
         "stage.thread.roller_profile_radius": (
             f"{radius / pitch:.3g} pitches, fitted to capacities of the catalogue"
@@ -149,4 +149,5 @@ def _chosen(found: Dimensioning, asked: Mapping[str, str]) -> dict[str, str]:
 def _shown(value: float, unit: str) -> str:
     """A number as a person would ask for it."""
     shown = display_unit(unit, float(value))
-    return f"{float(shown(float(value))):.4g} {shown.label}"
+    # Four digits, without an exponent up to a million.
+    return f"{float(f'{float(shown(float(value))):.4g}'):g} {shown.label}"
