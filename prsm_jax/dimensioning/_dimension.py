@@ -7,11 +7,13 @@ import numpy as np
 
 from ..mechanism import Mechanism, OperatingPoint
 from ..results import Shown
-from ..text import Line, aligned
+from ..text import Line, aligned, display_unit, number
 from ._limits import fits, margins, relaxations
 from ._requirements import (
+    BUCKLING_SAFETY,
     DN_LIMIT,
     SPEED_SHARE,
+    STATIC_SAFETY,
     UNITS,
     Requirements,
     loaded_length,
@@ -22,14 +24,14 @@ from ._sizes import all_sizes, size_mechanism
 
 #: A requirement changed by more than this ratio is told as a multiple, not in per cent.
 _LEAST = 0.1
-#: Words for the limits.
+#: Reserves in words.
 _WORDS = {
-    "envelope": "bore over diameter of the nut",
-    "life": "life by dynamic capacity over required life",
-    "static_safety": "static capacity over twice the load",
-    "buckling": "buckling load over twice the load",
-    "critical_speed": "0.8 of the critical speed over speed",
-    "dn_value": "limit over DN value",
+    "envelope": "bore / nut diameter",
+    "life": "life by dynamic capacity / required life",
+    "static_safety": f"static capacity / ({STATIC_SAFETY:g} × load)",
+    "buckling": f"buckling load / ({BUCKLING_SAFETY:g} × load)",
+    "critical_speed": f"{SPEED_SHARE:g} × critical speed / speed",
+    "dn_value": "DN limit / DN value",
 }
 
 
@@ -63,8 +65,9 @@ class Dimensioning(Shown):
         size = self.size
         words = f"{size['nominal_diameter_mm']:g} × {size['lead_mm']:g} mm, {size['starts']:g}"
         chosen = Line("size", f"{words} starts")
+        heading = Line("reserves (at least 1):", "")
         lines = [Line(_WORDS[name], value) for name, value in self.margins.items()]
-        return aligned("Dimensioning", [*wanted, chosen, *lines])
+        return aligned("Dimensioning", [*wanted, chosen, heading, *lines])
 
     def sentences(self) -> list[str]:
         """What to relax, one sentence for each requirement; empty if a size fits."""
@@ -73,16 +76,16 @@ class Dimensioning(Shown):
         rows: list[str] = []
         for name, value in self.relaxed.items():
             asked = getattr(self.requirements, name)
-            unit = UNITS[name]
+            unit = display_unit(UNITS[name], [value, asked])
             ratio = value / asked
             words = "at least" if name == "envelope" else "at most"
-            shown = Line(name, np.array([value, asked]), unit).text
-            now, before = shown.rsplit(" ", 1)[0].split(", ")
-            label = shown.rsplit(" ", 1)[1]
+            now, before = (f"{number(unit(one))} {unit.label}" for one in (value, asked))
             change = f"{100 * abs(ratio - 1):.3g} % {'more' if ratio > 1 else 'less'}"
-            if not _LEAST <= ratio <= 1 / _LEAST:
-                change = f"{max(ratio, 1 / ratio):.3g} times as {'much' if ratio > 1 else 'little'}"
-            rows.append(f"{name}: {words} {now} {label} instead of {before} {label} ({change})")
+            if ratio > 1 / _LEAST:
+                change = f"{number(ratio, 3)} times as much"
+            elif ratio < _LEAST:
+                change = f"{number(100 * ratio, 3)} % of it"
+            rows.append(f"{name}: {words} {now} instead of {before} ({change})")
         if not rows:
             rows.append("no requirement alone is enough: relax the load and the envelope together")
         return rows

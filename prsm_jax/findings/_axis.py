@@ -33,15 +33,15 @@ def _position_loop(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     def message(r: Reading) -> str:
         held, loop = (r.details[name] for name in _FREQUENCIES)
         effect = (
-            "the motor stands still while the load swings"
+            "the controller holds the motor while the load vibrates"
             if r.severity == "warning"
-            else "the load does not follow the motor as if the axis were rigid"
+            else "the motion of the load differs from that of the motor"
         )
         return (
-            f"the position loop reaches {loop:.4g} Hz and the axis swings at {held:.4g} Hz with "
-            f"the motor held, {r.value:.2f} times as much: {effect}; lower the proportional_gain "
-            "of axis.motor.controller, or stiffen the axis (prsm modal --spatial lists where its "
-            "strain energy is)"
+            f"the first anti-resonance of the axis, {held:.4g} Hz with the motor held, is "
+            f"{r.value:.2f} times the frequency of the position loop, {loop:.4g} Hz, but should be "
+            f"{_APART:g} times: {effect}; lower the proportional_gain of axis.motor.controller, or "
+            "stiffen the axis (prsm modal --spatial lists the strain energy of each spring)"
         )
 
     yield Margin(

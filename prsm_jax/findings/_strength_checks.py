@@ -8,11 +8,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
-import equinox as eqx
 import numpy as np
 
 from ..geometry import Finding
 from ..mechanism import Mechanism, of_one_known_design
+from ..programs import one_program_where_possible
 from ..quantities import Analysis, available_quantities, evaluate, find_quantity
 from ._check import CheckNumbers, margin_numbers, plain_numbers
 from ._margin import Margin, Reading, margins_of, severity_at
@@ -172,7 +172,7 @@ def strength_checks_from(
     return tuple(sorted(checks, key=lambda one: (_ORDER.index(one.name), one.stage)))
 
 
-@eqx.filter_jit
+@one_program_where_possible
 def _values(mechanism: Mechanism, names: tuple[str, ...]) -> dict[str, Any]:
     return evaluate(Analysis(mechanism), names)
 

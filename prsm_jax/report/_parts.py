@@ -1,5 +1,6 @@
 """Parts that several pictures have: colour bars, legends, headings, words beside points, ticks."""
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
@@ -14,6 +15,8 @@ Number: TypeAlias = float | int
 DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 #: Dashes of an axis of symmetry.
 CHAIN = (0, (9, 2, 1.5, 2))
+#: Energy of a mode for which amplitudes are given [J].
+MODE_ENERGY = 1e-3
 #: Behind words that stand on lines.
 WHITE = {"facecolor": "white", "edgecolor": "none"}
 
@@ -132,6 +135,17 @@ def draw_pressure(
     axes.axhline(0, color=INK, lw=0.3, ls=CHAIN)
     axes.axvline(0, color=INK, lw=0.3, ls=CHAIN)
     return image
+
+
+def per_mode(energy: float, frequency: float) -> float:
+    """Factor of a shape with the modal mass 1 at which a mode has this energy, √(2E)/(2πf) [√kg·m].
+
+    **Arguments:**
+
+    - `energy`: [J].
+    - `frequency`: of the mode [Hz].
+    """
+    return math.sqrt(2 * energy) / (2 * math.pi * frequency)
 
 
 def component_words(label: str) -> str:

@@ -77,4 +77,5 @@ from .spatial import (
     spatial_transverse_modes as spatial_transverse_modes,
     stage_spatial_system as stage_spatial_system,
     static_compliance as static_compliance,
+    strain_in_words as strain_in_words,
 )

@@ -155,7 +155,13 @@ def test_what_to_relax_is_said_with_numbers(made_up):
     nothing = dataclasses.replace(found, relaxed={})
     assert "no requirement alone is enough" in str(nothing)
     much = dataclasses.replace(found, relaxed={"life": 1.8e3})
-    assert "1e+04 times as little" in str(much)
+    assert "life: at most 0.5000 h instead of 5000 h (0.0100 % of it)" in " ".join(
+        str(much).split()
+    )
+    wide = dataclasses.replace(found, relaxed={"envelope": 0.3})
+    assert "envelope: at least 300.0 mm instead of 20.00 mm (15.0 times as much)" in " ".join(
+        str(wide).split()
+    )
 
 
 @pytest.mark.parametrize("name", _WANTED)

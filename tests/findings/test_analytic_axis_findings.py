@@ -29,13 +29,14 @@ def test_the_position_loop_is_compared_with_the_first_anti_resonance():
     assert held > 3 * loop
     assert _found(gain) == []
     for ratio, severity, words in (
-        (2.9, "note", "does not follow the motor"),
-        (1.01, "note", "does not follow the motor"),
-        (0.99, "warning", "the motor stands still while the load swings"),
+        (2.9, "note", "differs from that of the motor"),
+        (1.01, "note", "differs from that of the motor"),
+        (0.99, "warning", "the controller holds the motor while the load vibrates"),
     ):
         (finding,) = _found(gain * (held / ratio / loop) ** 2)
         assert finding.severity == severity
         assert finding.value == pytest.approx(ratio, rel=1e-9)
         assert words in finding.message
-        assert f"{held:.4g} Hz with the motor held" in finding.message
+        assert f"{held:.4g} Hz with the motor held, is {ratio:.2f} times" in finding.message
+        assert f"position loop, {held / ratio:.4g} Hz, but should be 3 times" in finding.message
     assert _found(gain * (held / 3.01 / loop) ** 2) == []

@@ -173,7 +173,7 @@ def test_numbers_against_the_position_of_the_nut():
         chart.level(axes, 0.21, "m", "x")
     assert handles(chart.figure) == [
         *("first axial", "first torsional", "first, motor held"),
-        *("motor held", "on the controller's gain"),
+        *("motor held", "motor held by its controller"),
     ]
     chart.finish()
     with pytest.raises(ValueError, match="values has mass; give some of first_axial_frequency"):
@@ -281,9 +281,9 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes):
     for name, (words, unit) in _modal.AXIS_QUANTITIES.items():
         printed.line(words, values[name], unit)
     springs = [
-        (f"{at + 1} {families[at]}", (frequencies[at], "Hz"), name.replace("_", " "), (share, "1"))
+        (f"{at + 1} {families[at]}", (frequencies[at], "Hz"), words, (share, "1"))
         for at in range(3)
-        for name, share in sorted(strain[at].items(), key=lambda item: -item[1])[:4]
+        for words, share in list(_strain(modes, at + 1).items())[:4]
         if share >= 0.01
     ]
     printed.table(("mode", "f Hz", "spring", "share %"), springs)

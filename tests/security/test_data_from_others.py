@@ -43,6 +43,14 @@ def trap(tmp_path):
     return pickle.dumps(Planted()), tmp_path / "mark"
 
 
+def test_the_trap_is_sprung_by_pickle_itself(trap):
+    """Without this, a trap that does nothing would keep the tests below green."""
+    data, mark = trap
+    assert not mark.exists()
+    pickle.loads(data)
+    assert mark.read_text() == "run"
+
+
 @pytest.mark.parametrize("key", ["roller_count", "thread_count"])
 @pytest.mark.parametrize("number", ["1000000000", "1e400", "nan", "inf", "-1", "9" * 5000])
 def test_counts_and_numbers_that_would_fill_the_memory_are_refused(key, number):

@@ -58,6 +58,7 @@ def strength(file: str, *, common: Common = _DEFAULT) -> int:
     """
     mechanism = common.load(file)
     numbers = checked_numbers(mechanism)
+    expect_programs("_values")
     doing("computing capacities and life")
     from ...report import checks_table
 

@@ -18,6 +18,7 @@ from ...vibration import (
     frequency_loci,
     modal as run_modal,
     spatial_modal as run_spatial_modal,
+    strain_in_words,
 )
 from .._app import app
 from .._assumed import VIBRATION
@@ -26,6 +27,8 @@ from .._progress import doing, expect_programs
 from .._tables import in_units, table
 
 _DEFAULT = Common()
+#: Values of the parameter, unless --points says otherwise.
+_POINTS = 201
 #: If the largest value is at least this many times the smallest, values are spaced in equal ratios.
 _WIDE = 50.0
 #: Quantities of the axis: labels of the table, and names of the JSON without their unit.
@@ -151,7 +154,7 @@ def modal(
     last: Annotated[
         str | None, Parameter(name="--to", allow_leading_hyphen=True, help="Last value.")
     ] = None,
-    points: Annotated[int, Parameter(help="Number of values, both ends included.")] = 201,
+    points: Annotated[int, Parameter(help="Number of values, both ends included.")] = _POINTS,
     spatial: Annotated[
         bool,
         Parameter(
@@ -164,6 +167,14 @@ def modal(
     """Natural frequencies and families of one stage; pictures of the modes with --out."""
     mechanism = common.load(file)
     if spatial:
+        unused = {
+            "--from": first is not None,
+            "--to": last is not None,
+            "--points": points != _POINTS,
+            "--no-animation": not animation,
+        }
+        if given := [option for option, is_given in unused.items() if is_given]:
+            raise PrsmError(f"{', '.join(given)}: not with --spatial, which draws no such pictures")
         return _spatial(file, mechanism, stage, shapes, against, common)
     if against is None and (first is not None or last is not None):
         raise PrsmError("--from and --to: give the name of their number with --against")
@@ -307,9 +318,9 @@ def spatial_text(found: Spatial, file: str) -> str:
         converted = in_units((words, value, unit) for words, unit, value in listed)
         lines += "\n" + table("Axis", ["", "value", "unit"], converted)
     shares = [
-        (f"{mode.number} {mode.family}", mode.frequency, name.replace("_", " "), 100 * share)
+        (f"{mode.number} {mode.family}", mode.frequency, words, 100 * share)
         for mode in found.elastic[:_MODES]
-        for name, share in list(mode.strain.items())[:_SPRINGS]
+        for words, share in list(strain_in_words(mode.strain).items())[:_SPRINGS]
         if share >= _LEAST
     ]
     title = "Strain energy of axial–torsional modes: which springs to stiffen"

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...mechanism import Mechanism, Stage, stage_at
 from ...vibration import Modes
+from .._parts import per_mode
 from ..drawings import roller_places
 
 #: Without symmetry, roots whose relative difference is below this are drawn as one repeated root.
@@ -76,7 +77,7 @@ class ModeMotion:
         """
         if self.family == "rigid":
             return None
-        return self.largest * math.sqrt(2 * energy) / (2 * math.pi * self.frequency)
+        return self.largest * per_mode(energy, self.frequency)
 
 
 def drawn_radii(stage: Stage) -> tuple[float, float, float, float]:

@@ -9,10 +9,11 @@ import numpy as np
 from ...mechanism import Mechanism
 from ...process import make_folder
 from ...vibration import Modes
+from .._parts import MODE_ENERGY
 from .._style import FAMILY_COLOURS, INK, SMALL, TEXT, Figure, drawn, page_figure, place_axes
 from ._animation_file import indexed, save_frames
 from ._body_motion import ModeMotion, mode_motions
-from ._mode_shapes import ENERGY, check_energy, frequency_words, headline, scale_words
+from ._mode_shapes import check_energy, frequency_words, headline, scale_words
 from ._moving_view import MovingView
 
 _SIDE, _OVER, _UNDER, _DPI = 84.0, 11.0, 6.0, 130
@@ -44,7 +45,7 @@ def save_mode_animation(
     mode: int,
     *,
     stage: int = 1,
-    energy: float = ENERGY,
+    energy: float = MODE_ENERGY,
     frames: int = 24,
 ) -> Path:
     """Write one period of a mode as an animated GIF that repeats.
@@ -78,7 +79,7 @@ def save_mode_animations(
     modes: Modes,
     *,
     stage: int = 1,
-    energy: float = ENERGY,
+    energy: float = MODE_ENERGY,
     frames: int = 24,
 ) -> tuple[Path, ...]:
     """Write every distinct mode as `mode-NN-FAMILY.gif`, NN its number in `modes.frequencies`.

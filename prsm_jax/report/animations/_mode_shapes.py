@@ -6,7 +6,7 @@ from typing import Any
 from ...mechanism import Mechanism
 from ...text import number, show
 from ...vibration import Modes
-from .._parts import body_patches, dense_legend
+from .._parts import MODE_ENERGY, body_patches, dense_legend
 from .._style import (
     BODY_COLOURS,
     FAMILY_COLOURS,
@@ -24,8 +24,6 @@ from .._style import (
 from ._body_motion import ModeMotion, mode_motions
 from ._moving_view import DRAWN_SHARE, MovingView
 
-#: Energy for which amplitudes are given [J].
-ENERGY = 1e-3
 _COLUMNS, _MARGIN, _GUTTER = 4, 2.0, 3.0
 #: Room for words over and under a panel, for the heading and for the legend [mm].
 _OVER, _UNDER, _HEADING, _FOOT = 7.5, 10.5, 7.0, 15.5
@@ -41,7 +39,7 @@ _SPRINGS = {
 
 @drawn
 def mode_shapes(
-    mechanism: Mechanism, modes: Modes, *, stage: int = 1, energy: float = ENERGY
+    mechanism: Mechanism, modes: Modes, *, stage: int = 1, energy: float = MODE_ENERGY
 ) -> Figure:
     """Draw all mode shapes of a stage, one panel for each distinct frequency.
 

@@ -19,7 +19,7 @@ from ._section import Section, Table
 
 _HEADS = ("input", "value", "meaning", "source")
 #: Names of fields whose tables in a file are called otherwise.
-_IN_FILE = {"stages": "stage", "design_problem": "optimise"}
+_IN_FILE = {"stages": "stage"}
 #: Fields that other sections show, or that are no numbers of the mechanism.
 _ELSEWHERE = (
     *("title", "author", "revision", "design_problem", "tolerances", "duty_cycle", "stages"),

@@ -8,8 +8,8 @@ import numpy as np
 
 from ...mechanism import Mechanism, nut_outer_radius
 from ...text import number, show
-from ...vibration import SpatialMode, SpatialModes
-from .._parts import CHAIN, dense_legend, legend_line
+from ...vibration import SpatialMode, SpatialModes, strain_in_words
+from .._parts import CHAIN, MODE_ENERGY, dense_legend, legend_line, per_mode
 from .._style import (
     BODY_COLOURS,
     FAMILY_COLOURS,
@@ -23,11 +23,8 @@ from .._style import (
     drawn,
     page_figure,
     place_axes,
-    readable,
 )
 
-#: Energy for which amplitudes are given [J].
-ENERGY = 1e-3
 #: Largest displacement drawn, as a share of the drawing's length.
 _LARGEST = 0.06
 #: Widths and heights on the page [mm].
@@ -36,29 +33,6 @@ _HEADING, _OVER, _PANEL, _FOOT = 8.0, 6.5, 25.0, 19.0
 #: Springs beside each mode, and the smallest share of one; the arrow's length that has a head [mm].
 _SPRINGS_SHOWN, _LEAST, _HEAD = 5, 0.005, 2.5
 _COLOURS = {**BODY_COLOURS, "motor": "#d7d3e6", "load": "#e3d8cf", "tube": "#e9ecef"}
-#: Names of springs for a reader; those of several springs are added.
-SPRING_WORDS = {
-    "screw_roller": "threads at the screw",
-    "nut_roller": "threads at the nut",
-    "sticking_nut_roller": "threads at the nut",
-    "ring_roller": "teeth",
-    "pin_radial": "pins",
-    "pin_tangential": "pins",
-    "pin_axial": "pins",
-    "screw_support_axial": "thrust bearing",
-    "screw_support_torsional": "screw held in rotation",
-    "nut_support_axial": "nut mounting",
-    "nut_support_torsional": "nut held in rotation",
-    "carrier_support_torsional": "carrier support",
-    "screw_shaft_axial": "screw, stretching",
-    "screw_shaft_torsional": "screw, twisting",
-    "screw_shaft_beyond_nut": "screw beyond the nut",
-    "far_bearing": "far bearing",
-    "coupling": "coupling",
-    "motor_shaft": "motor shaft",
-    "position_gain": "position gain",
-    "thrust_tube": "thrust tube",
-}
 
 
 @dataclass(frozen=True)
@@ -77,7 +51,7 @@ class _Part:
 
 @drawn
 def axis_mode_shapes(
-    mechanism: Mechanism, modes: SpatialModes, *, count: int = 5, energy: float = ENERGY
+    mechanism: Mechanism, modes: SpatialModes, *, count: int = 5, energy: float = MODE_ENERGY
 ) -> Figure:
     """Draw the lowest axial–torsional modes in a longitudinal section, and their strain energies.
 
@@ -125,7 +99,7 @@ def axis_mode_shapes(
         section = place_axes(figure, _LEFT, top - _PANEL, _SECTION, _PANEL)
         _draw(section, parts, mode, mechanism, energy, last=index == len(chosen) - 1)
         across = place_axes(figure, _LEFT + _SECTION + _GAP, top - _PANEL + 2, _BARS, _PANEL - 3)
-        _bars(across, _strains(mode))
+        _bars(across, strain_in_words(mode.strain))
     _legend(figure, height, parts, energy)
     return figure
 
@@ -197,9 +171,9 @@ def _draw(
     highest = max(p.radii[1] for p in parts)
     axes.set_xlim(left - 0.07 * span, right + 0.07 * span)
     axes.set_ylim(-0.75 * highest, 1.3 * highest)
-    per_mode = 1e3 * math.sqrt(2 * energy) / (2 * math.pi * mode.frequency)
-    moved = {name: per_mode * value for name, value in mode.along.items()}
-    turned = {name: per_mode * value for name, value in _travels(mechanism, mode.around).items()}
+    millimetres = 1e3 * per_mode(energy, mode.frequency)
+    moved = {name: millimetres * value for name, value in mode.along.items()}
+    turned = {name: millimetres * value for name, value in _travels(mechanism, mode.around).items()}
     turns = {p.turned for p in parts if p.turned is not None}
     largest = max(
         *(abs(moved.get(name, 0.0)) for p in parts for name in p.moved),
@@ -286,15 +260,6 @@ def _bearing(axes: Axes, place: float, size: float) -> None:
     half = 0.012 * (high - low)
     axes.plot((place, place - half, place + half, place), (0, base, base, 0), **line)
     axes.plot((place - 2 * half, place + 2 * half), (base, base), **line)
-
-
-def _strains(mode: SpatialMode) -> dict[str, float]:
-    """Shares of the strain energy by the words for springs, largest first."""
-    words: dict[str, float] = {}
-    for name, share in mode.strain.items():
-        known = SPRING_WORDS.get(name, readable(name))
-        words[known] = words.get(known, 0.0) + share
-    return dict(sorted(words.items(), key=lambda item: -item[1]))
 
 
 def _bars(axes: Axes, shares: dict[str, float]) -> None:

@@ -18,7 +18,7 @@ NUT_POSITION_QUANTITIES = {
     "first_torsional_frequency": "first torsional",
     "antiresonance_frequency": "first, motor held",
     "held_motor_stiffness": "motor held",
-    "servo_stiffness": "on the controller's gain",
+    "servo_stiffness": "motor held by its controller",
 }
 
 

@@ -23,6 +23,7 @@ from ._spatial_modal import (
     spatial_modal as spatial_modal,
     stage_spatial_system as stage_spatial_system,
 )
+from ._spring_words import strain_in_words as strain_in_words
 from ._springs import (
     RollerSpring as RollerSpring,
     contact_spring as contact_spring,

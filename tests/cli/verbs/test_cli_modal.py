@@ -81,6 +81,9 @@ def test_a_range_prints_a_table(prsm):
         (["--stage", "2"], "stage is 2"),
         (["--spatial", "--stage", "2"], "stage is 2"),
         (["--spatial", "--against", "lead"], "not with --spatial"),
+        (["--spatial", "--from", "1", "--to", "2"], "--from, --to: not with --spatial"),
+        (["--spatial", "--points", "7"], "--points: not with --spatial"),
+        (["--spatial", "--no-animation"], "--no-animation: not with --spatial"),
     ],
 )
 def test_what_a_user_can_mend_is_one_line(prsm, tmp_path, words, expected):

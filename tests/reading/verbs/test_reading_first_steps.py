@@ -73,7 +73,7 @@ def test_new(at, capsys):
         assert_reads(rows[name], (_ASKED[name], unit))
     words = f"{_ROW['nominal_diameter_mm']:g} × {_ROW['lead_mm']:g} mm, {_ROW['starts']:g} starts"
     assert rows["size"] == words
-    found = [float(value) for label, value in rows.items() if " over " in label]
+    found = [float(value) for label, value in rows.items() if " / " in label]
     assert found == list(_MARGINS.values())
     assert "mine.toml has the design" in "\n".join(rows)
     assert "prsm check mine.toml" in rows

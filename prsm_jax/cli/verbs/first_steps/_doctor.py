@@ -42,7 +42,7 @@ def doctor(*, output: Output = _DEFAULT) -> int:
         problems.append(f"Python {results['python']} is too old: install 3.11 or newer")
     results["packages"], results["extras"] = _packages(problems)
     results |= _devices(problems, notes)
-    results["cache"] = _cache(problems)
+    results["cache"] = _cache(notes)
     results |= {"notes": notes, "problems": problems, "ok": not problems}
     tables = _tables(results)
     if output.out is not None:
@@ -62,7 +62,9 @@ def _packages(problems: list[str]) -> tuple[dict[str, str | None], list[dict[str
     try:
         core, groups = required(), {name: required(name) for name in extras()}
     except importlib.metadata.PackageNotFoundError:
-        problems.append("prsm-jax is not installed, only found: pip install -e '.[all]' here")
+        problems.append(
+            "the package prsm-jax is not installed; in its folder run pip install -e '.[all]'"
+        )
         return {}, []
     except ModuleNotFoundError as error:
         problems.append(str(missing_extra(_NEEDED, "reading requirements", error)))
@@ -112,7 +114,9 @@ def _devices(problems: list[str], notes: list[str]) -> dict[str, Any]:
             "anything that switches it off"
         )
     if total != 499500.0:
-        problems.append(f"the device adds the numbers 0 to 999 up to {total:g}, not 499500")
+        problems.append(
+            f"the sum of the numbers 0 to 999 on the device is {total:g} instead of 499500"
+        )
     if shutil.which("nvidia-smi") and all(one.platform == "cpu" for one in devices):
         notes.append(
             "there is an NVIDIA card, but this JAX uses the processor: pip install 'jax[cuda13]'"
@@ -124,7 +128,7 @@ def _devices(problems: list[str], notes: list[str]) -> dict[str, Any]:
     }
 
 
-def _cache(problems: list[str]) -> dict[str, Any]:
+def _cache(notes: list[str]) -> dict[str, Any]:
     """The folder of compiled programs: where, how much, and whether it can be written."""
     import jax
 
@@ -133,8 +137,11 @@ def _cache(problems: list[str]) -> dict[str, Any]:
     if named == "":
         return {"folder": None, "files": 0, "size_bytes": 0}
     if not folder:
-        # The command line has said why on stderr.
-        problems.append("compiled programs cannot be kept; PRSM_JAX_CACHE names the folder")
+        # All verbs work without it. The command line has said why on stderr.
+        notes.append(
+            "compiled programs are not kept, so every run compiles; name another folder in "
+            "PRSM_JAX_CACHE"
+        )
         return {"folder": None, "files": 0, "size_bytes": 0}
     sizes = [path.stat().st_size for path in Path(folder).rglob("*") if path.is_file()]
     return {"folder": str(folder), "files": len(sizes), "size_bytes": sum(sizes)}

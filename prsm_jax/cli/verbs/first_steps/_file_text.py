@@ -3,9 +3,15 @@
 from collections.abc import Mapping
 
 from ....catalogue_sizes import FITTED
-from ....dimensioning import Dimensioning, nut_outer_diameter
+from ....dimensioning import (
+    BUCKLING_SAFETY,
+    SPEED_SHARE,
+    STATIC_SAFETY,
+    Dimensioning,
+    nut_outer_diameter,
+)
 from ....file import commented, rounded
-from ....text import Line
+from ....text import display_unit
 
 #: Comments of tables and numbers that are the same in every new file.
 _FIXED = {
@@ -81,7 +87,7 @@ def _rule_words(pitch: float) -> dict[str, str]:
             f"pitch circles that fit side by side, less {FITTED.spare_rollers}; fewer where crests "
             "would touch"
         ),
-        "stage.engaged_threads": f"loaded thread of a roller over the pitch; it has {thread}",
+        "stage.engaged_threads": f"length of loaded thread over the pitch; the length is {thread}",
         "stage.roller.length": f"{roller}; gears and journals are beside the thread",
         "stage.thread.roller_profile_radius": (
             f"{radius / pitch:.3g} pitches, fitted to capacities of the catalogue"
@@ -111,9 +117,9 @@ def _chosen(found: Dimensioning, asked: Mapping[str, str]) -> dict[str, str]:
     assert found.size is not None
     stage, margin, size = found.mechanism.stages[0], found.margins, found.size
     diameter = size["nominal_diameter_mm"]
-    # The margins are over twice the load, and over 0.8 of the critical speed.
-    buckling, static = 2 * margin["buckling"], 2 * margin["static_safety"]
-    critical = 0.8 / margin["critical_speed"]
+    buckling = BUCKLING_SAFETY * margin["buckling"]
+    static = STATIC_SAFETY * margin["static_safety"]
+    critical = SPEED_SHARE / margin["critical_speed"]
     outer = nut_outer_diameter(stage)
     nut = _shown(float(stage.nut.length), "m")  # pyright: ignore[reportArgumentType]
     return {
@@ -142,5 +148,6 @@ def _chosen(found: Dimensioning, asked: Mapping[str, str]) -> dict[str, str]:
 
 def _shown(value: float, unit: str) -> str:
     """A number as a person would ask for it."""
-    text, _, label = Line("", float(value), unit).text.partition(" ")
-    return f"{float(text):g} {label}" if "·" not in text else f"{text} {label}"
+    shown = display_unit(unit, float(value))
+    # Four digits, without an exponent up to a million.
+    return f"{float(f'{float(shown(float(value))):.4g}'):g} {shown.label}"

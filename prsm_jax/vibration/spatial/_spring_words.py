@@ -1,0 +1,43 @@
+"""What springs of a model in space are called in tables and pictures."""
+
+from collections.abc import Mapping
+
+#: Names of springs for a reader; several springs may have one.
+_WORDS = {
+    "screw_roller": "threads at the screw",
+    "nut_roller": "threads at the nut",
+    "sticking_nut_roller": "threads at the nut",
+    "ring_roller": "teeth",
+    "pin_radial": "pins",
+    "pin_tangential": "pins",
+    "pin_axial": "pins",
+    "screw_support_axial": "thrust bearing",
+    "screw_support_torsional": "screw held in rotation",
+    "nut_support_axial": "nut mounting",
+    "nut_support_torsional": "nut held in rotation",
+    "carrier_support_torsional": "carrier support",
+    "screw_shaft_axial": "screw, stretching",
+    "screw_shaft_torsional": "screw, twisting",
+    "screw_shaft_beyond_nut": "screw beyond the nut",
+    "far_bearing": "far bearing",
+    "coupling": "coupling",
+    "motor_shaft": "motor shaft",
+    "position_gain": "position gain",
+    "thrust_tube": "thrust tube",
+}
+
+
+def strain_in_words(shares: Mapping[str, float]) -> dict[str, float]:
+    """Shares of the strain energy by the words for springs, largest first.
+
+    Shares of springs with the same words are added.
+
+    **Arguments:**
+
+    - `shares`: by the name of the spring, as in `SpatialMode.strain`.
+    """
+    found: dict[str, float] = {}
+    for name, share in shares.items():
+        words = _WORDS.get(name, name.replace("_", " "))
+        found[words] = found.get(words, 0.0) + share
+    return dict(sorted(found.items(), key=lambda item: -item[1]))
