@@ -1,6 +1,7 @@
 """The chart of the loads around the screw: its colours, angles and words."""
 
 import dataclasses
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -48,7 +49,8 @@ def test_loads_around_the_screw():
     chart.ignore([*bar.collections, *bar.patches, *bar.lines])
     largest = 8 / 7 * max(float(found.screw.forward.max()), float(found.nut.forward.max()))
     for axes, side in ((screw, found.screw), (nut, found.nut)):
-        (mesh,) = axes.collections
+        mesh: Any = axes.collections[0]
+        assert len(axes.collections) == 1
         loads = np.asarray(side.forward) * 8 / 7
         # A sector consists of twelve pieces of one colour.
         colours = present(mesh.get_array()).reshape(5, 3, 12)
