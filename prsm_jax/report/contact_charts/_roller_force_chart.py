@@ -7,7 +7,7 @@ import numpy as np
 from ...load_sharing import LoadDistribution, SideLoads
 from ...text import display_unit, in_unit, number
 from .._parts import colour_bar, page_title
-from .._style import INK, SERIES, SMALL, Axes, Figure, drawn, page_figure
+from .._style import INK, SERIES, SMALL, Figure, drawn, page_figure
 
 #: Innermost thread over the number of threads: sectors need some width there.
 _INNER = 0.5
@@ -84,7 +84,7 @@ def _vector(components: Any) -> tuple[float, float]:
     return float(np.hypot(x, y)), float(np.arctan2(y, x))
 
 
-def _sectors(axes: Axes, angle: np.ndarray, values: np.ndarray, style: dict[str, Any]) -> Any:
+def _sectors(axes: Any, angle: np.ndarray, values: np.ndarray, style: dict[str, Any]) -> Any:
     """A sector for each roller, bounded halfway to its neighbours, and a ring for each thread."""
     order = np.argsort(angle)
     around = angle[order]

@@ -148,7 +148,8 @@ class Own:
         return sum(rows), on_screw, on_nut
 
     def _solve(self):
-        linear, on_screw, on_nut = self._pieces()
+        pieces: Any = self._pieces()
+        linear, on_screw, on_nut = pieces
         n, size = THREADS, linear.shape[0]
         pull = np.zeros(size)
         pull[0] = self.load
