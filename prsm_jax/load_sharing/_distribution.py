@@ -63,8 +63,12 @@ class LoadDistribution(DesignResult):
     converged: Annotated[Bool[Array, ""], In("1")]
     #: Numbers of the rollers of each class, from 1.
     rollers: tuple[tuple[int, ...], ...] = eqx.field(static=True)
-    #: Radial force of the rollers on the nut, components at 0 and 90 degrees [N]; this and what
-    #: follows is `None` without `part_errors` and `free_nut`.
+    #: Angle of each roller around the screw [rad]; this and what follows is `None` without
+    #: `part_errors` and `free_nut`.
+    roller_angle: Annotated[Float[Array, " rollers"] | None, In("rad")] = None
+    #: Axial place of each thread from the middle of the first roller's [m].
+    contact_place: Annotated[Float[Array, "rollers threads"] | None, In("m")] = None
+    #: Radial force of the rollers on the nut, components at 0 and 90 degrees [N].
     nut_radial_force: Annotated[Float[Array, "2"] | None, In("N")] = None
     #: Moment of the rollers on the nut about the middle of the first roller's threads, positive
     #: towards where it tips the nut's end with the highest thread number [N·m].
@@ -269,6 +273,8 @@ def _across_the_axis(stage: Stage, on_nut: Loads, state: State) -> dict[str, Arr
         return {}
     forces = forces_on_nut(stage, places, *on_nut)
     across = {
+        "roller_angle": places.angle,
+        "contact_place": places.axial,
         "nut_radial_force": forces.radial_force,
         "nut_overturning_moment": forces.overturning_moment,
     }

@@ -15,6 +15,7 @@ from .contact_charts import (
     pressure_map as pressure_map,
     pressure_profiles as pressure_profiles,
     published_pressure as published_pressure,
+    roller_force_chart as roller_force_chart,
     stress_section as stress_section,
     subsurface_chart as subsurface_chart,
     thread_load_chart as thread_load_chart,

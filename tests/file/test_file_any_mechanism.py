@@ -21,10 +21,12 @@ from prsm_jax.mechanism import (
     Constraint,
     DesignProblem,
     DutyCycle,
+    FreeNut,
     LoadSharing,
     Mechanism,
     Objective,
     OperatingPoint,
+    PartErrors,
     Roller,
     SplitNut,
     Stage,
@@ -89,6 +91,12 @@ def modules(draw, cls: type[eqx.Module]):
         values["starts"] = draw(numbers(STARTS))
     if cls is LoadSharing:
         values |= draw(sharing_lists(values["thread_count"], values["split_nut"]))
+    if cls in (PartErrors, FreeNut):
+        for name in [one for one in values if one.endswith("_angle")]:
+            if values[name.removesuffix("_angle")] is None:
+                values[name] = None
+    if cls is PartErrors and values["nut_tilt"] is None:
+        values["nut_eccentricity"] = draw(numbers(ANY))
     if cls is SplitNut and (values["preload"] is None) == (values["offset"] is None):
         values |= {"preload": None, "offset": draw(numbers(ANY))}
     if cls is Roller and values["support"] is not None:
@@ -98,6 +106,9 @@ def modules(draw, cls: type[eqx.Module]):
     if cls is Stage:
         values |= draw(_of_a_type(values["thread"], values))
         values["unequal_roller"] = draw(unequal_rollers(values["roller_count"]))
+        values["load_sharing"] = draw(
+            with_roller_errors(values["load_sharing"], values["roller_count"])
+        )
         # Dimensions that must fit each other are scaled to do so.
         thread = values["thread"]
         radius = float(thread.roller_radius)
@@ -157,6 +168,16 @@ def sharing_lists(draw, thread_count: int, split_nut: SplitNut | None):
         for name in sorted(names)
     }
     return {"thread_count": count, "split_nut": split_nut} | lists
+
+
+@st.composite
+def with_roller_errors(draw, sharing: LoadSharing | None, roller_count: int):
+    """Errors of parts with one number for each roller, where there are few."""
+    if sharing is None or sharing.part_errors is None or roller_count > 8:
+        return sharing
+    deviations = draw(st.lists(numbers(ANY), min_size=roller_count, max_size=roller_count))
+    errors = dataclasses.replace(sharing.part_errors, roller_diameter_deviation=deviations)
+    return dataclasses.replace(sharing, part_errors=errors)
 
 
 @st.composite

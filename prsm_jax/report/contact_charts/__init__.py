@@ -6,6 +6,7 @@ from ._force_deflection_chart import force_deflection_chart as force_deflection_
 from ._line_contact_chart import line_contact_chart as line_contact_chart
 from ._pressure_map import pressure_map as pressure_map, pressure_profiles as pressure_profiles
 from ._published_pressure import published_pressure as published_pressure
+from ._roller_force_chart import roller_force_chart as roller_force_chart
 from ._shared_loads import shared_loads as shared_loads
 from ._stress_section import stress_section as stress_section
 from ._subsurface_chart import subsurface_chart as subsurface_chart

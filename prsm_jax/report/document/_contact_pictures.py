@@ -19,6 +19,7 @@ from ..contact_charts import (
     line_contact_chart,
     pressure_map,
     pressure_profiles,
+    roller_force_chart,
     shared_loads,
     subsurface_chart,
     thread_load_chart,
@@ -70,7 +71,8 @@ def contact_pictures(
 
     For each stage: `contact-ellipses`; `pressure-map` and `pressure-profiles` on the true flanks;
     `stress-screw` and `stress-nut` below the surfaces; `line-contact` of rings;
-    `thread-loads` and `force-deflection` if the stage models load sharing.
+    `thread-loads` and `force-deflection` if the stage models load sharing, and `roller-forces` if
+    it has errors of parts or a free nut.
 
     **Arguments:**
 
@@ -108,6 +110,8 @@ def contact_pictures(
         if stage.load_sharing is not None:
             distribution, curve = shared_loads(mechanism, shared, number)
             figures["thread-loads" + suffix] = thread_load_chart(distribution)
+            if distribution.roller_angle is not None:
+                figures["roller-forces" + suffix] = roller_force_chart(distribution)
             figures["force-deflection" + suffix] = force_deflection_chart({label: curve})
     return figures
 

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array
 
 from ...fields import Scalar
+from ...load_sharing import LoadDistribution
 from ...mechanism import DutyCycle, Mechanism, Stage
 from ...quantities import find_quantity
 from ...strength import (
@@ -21,7 +22,7 @@ from ...strength import (
 )
 from ...text import number, show
 from .._style import readable
-from ..contact_charts import force_deflection_chart, thread_load_chart
+from ..contact_charts import force_deflection_chart, roller_force_chart, thread_load_chart
 from ..design_charts import life_chart, shaft_limits_chart
 from ..interactive import deflection_curves, life_curve, shaft_limit_curves, thread_load_bars
 from ..results import ReportData, largest_shared_pressure
@@ -167,6 +168,18 @@ def _pressed(
     )
 
 
+def _across_rows(shared: LoadDistribution) -> list[tuple[str, str]]:
+    """Unbalance of the rollers, and force and moment across the axis, where rollers differ."""
+    force, moment = shared.nut_radial_force, shared.nut_overturning_moment
+    if force is None or moment is None:
+        return []
+    return [
+        ("standard deviation over mean roller load", number(shared.nut.roller_load_unbalance)),
+        ("radial force of the rollers on the nut", show(np.hypot(*force), "N")),
+        ("moment of the rollers on the nut", show(np.hypot(*moment), "N·m")),
+    ]
+
+
 def sharing_section(data: ReportData) -> Section | None:
     """Load sharing among threads and rollers, in stages that model it."""
     if not data.shared:
@@ -189,6 +202,7 @@ def sharing_section(data: ReportData) -> Section | None:
             rows.insert(4, ("largest pressure of a whole ellipse", show(uncut, "Pa")))
         if spacer is not None:
             rows.append(("force in the spacer", show(spacer, "N")))
+        rows += _across_rows(shared)
         tables.append(Table(f"Shared loads{words}", ("", ""), tuple(rows)))
         pictures.append(
             Picture(
@@ -198,6 +212,14 @@ def sharing_section(data: ReportData) -> Section | None:
                 lambda shared=shared: thread_load_bars(shared),
             )
         )
+        if shared.roller_angle is not None:
+            pictures.append(
+                Picture(
+                    f"roller_forces{suffix}",
+                    f"Loads of threads around the screw{words}, with errors of parts.",
+                    lambda shared=shared: roller_force_chart(shared),
+                )
+            )
         curve = data.deflections.get(index)
         if curve is not None:
             pictures.append(

@@ -9,7 +9,7 @@ from scenes import array
 from sharing_scenes import sharing_stage
 
 from prsm_jax.load_sharing import stage_load_distribution
-from prsm_jax.mechanism import FreeNut, PartErrors, UnequalRoller
+from prsm_jax.mechanism import FreeNut, PartErrors
 
 ROLLERS, THREADS, LOAD = 6, 20, 7e3
 _RANDOM = np.random.default_rng(4)
@@ -27,13 +27,13 @@ ERRORS: dict[str, Any] = {
     "roller_tilt": 5e-5 * _RANDOM.normal(size=ROLLERS),
 }
 NO_ERRORS: dict[str, Any] = {name: 0.0 * np.asarray(value) for name, value in ERRORS.items()}
-FREE = FreeNut(300.0, 0.2, 5.0, 1.0)
+FREE: Any = FreeNut(300.0, 0.2, 5.0, 1.0)
 
 
-def stage_with(errors: dict[str, Any] | None = None, unequal=(), **more: Any):
+def stage_with(errors: dict[str, Any] | None = None, unequal=(), **more: Any) -> Any:
     """A stage of six rollers, with all errors (one program for all) or without any."""
     parts = {} if errors is None else {"part_errors": PartErrors(**(NO_ERRORS | errors))}
-    one = sharing_stage(unequal)
+    one: Any = sharing_stage(unequal)
     sharing = dataclasses.replace(one.load_sharing, **parts, **more)
     return dataclasses.replace(one, roller_count=ROLLERS, load_sharing=sharing)
 
@@ -43,16 +43,11 @@ def _shared(stage, load):
     return stage_load_distribution(stage, load)
 
 
-def shared(stage, load=LOAD):
+def shared(stage, load=LOAD) -> Any:
     """The distribution under a load, which has to be valid."""
     found = _shared(stage, array(load))
     assert bool(found.converged)
     return found
-
-
-def one_unlike():
-    """An unequal roller away from its place."""
-    return (UnequalRoller(2, position_offset=0.05),)
 
 
 def _force(approach, hertz, tooth):
@@ -80,7 +75,7 @@ class Own:
     normal (tan α, 1) in the plane of radius and axis this opens or closes the gap.
     """
 
-    def __init__(self, stage, found, errors, free: FreeNut | None = None, load=LOAD):
+    def __init__(self, stage, found, errors, free: Any = None, load=LOAD):
         thread, chains = stage.thread, found.chains
         self.load, self.free = load, free
         self.slope = np.tan(float(thread.flank_angle))
@@ -153,7 +148,8 @@ class Own:
         return sum(rows), on_screw, on_nut
 
     def _solve(self):
-        linear, on_screw, on_nut = self._pieces()
+        pieces: Any = self._pieces()
+        linear, on_screw, on_nut = pieces
         n, size = THREADS, linear.shape[0]
         pull = np.zeros(size)
         pull[0] = self.load
