@@ -11,3 +11,4 @@ from ._tables import (
 )
 from ._workbook import write_workbook as write_workbook
 from .fmu import write_fmu as write_fmu
+from .step import StepBody as StepBody, solid_volume as solid_volume, write_step as write_step

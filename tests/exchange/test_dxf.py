@@ -115,6 +115,8 @@ def test_dimensions_measure_what_their_words_say(drawing, actuator):
     }
     dimensions = {one.dxf.text: one.get_measurement() for one in _dimensions(drawing)}
     assert len(dimensions) == len(expected)
+    # What a program shows where it measures again: millimetres, not hundredths of a metre.
+    assert {one.get_dim_style().dxf.dimlfac for one in _dimensions(drawing)} == {1.0}
     for words, value in expected.items():
         text = max((one for one in dimensions if words in one), key=lambda one: -len(one))
         if words == "roller":

@@ -20,7 +20,16 @@ from .requirements import lowest, read_project
 _ROOT = Path(__file__).parents[2]
 _EXTRAS = ("all", "test")
 #: Of the extra `test`, what the tests of the core paths do not use.
-_UNUSED = ("hatchling", "ipykernel", "jupytext", "nbclient", "nicegui", "selenium")
+_UNUSED = (
+    "cadquery-ocp-novtk",
+    "fmpy",
+    "hatchling",
+    "ipykernel",
+    "jupytext",
+    "nbclient",
+    "nicegui",
+    "selenium",
+)
 
 #: Warnings of other packages' old versions are not ours to mend.
 _WARNINGS = ("-W", "default", "-W", "ignore::DeprecationWarning")

@@ -12,4 +12,9 @@ from ._drawing_dimensions import (
     roller_places as roller_places,
 )
 from ._section_svg import section_svg as section_svg
+from ._thread_profile import (
+    nut_half_thickness as nut_half_thickness,
+    roller_half_thickness as roller_half_thickness,
+    screw_half_thickness as screw_half_thickness,
+)
 from ._transverse_view import draw_transverse_view as draw_transverse_view

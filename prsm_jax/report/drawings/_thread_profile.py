@@ -2,6 +2,7 @@
 
 import functools
 import math
+from typing import Any
 
 import numpy as np
 
@@ -10,17 +11,17 @@ from ._drawing_dimensions import DrawingDimensions
 _SAMPLES = 12
 
 
-def screw_half_thickness(dims: DrawingDimensions, height):
+def screw_half_thickness(dims: DrawingDimensions, height: Any) -> Any:
     """Half the thickness of a screw tooth at a height above the nominal radius [mm]."""
     return dims.pitch / 4 - dims.screw_thinning / 2 - height * math.tan(dims.flank_angle)
 
 
-def nut_half_thickness(dims: DrawingDimensions, height):
+def nut_half_thickness(dims: DrawingDimensions, height: Any) -> Any:
     """Half the thickness of a nut tooth at a height inside the nominal radius [mm]."""
     return dims.pitch / 4 - dims.nut_thinning / 2 - height * math.tan(dims.flank_angle)
 
 
-def roller_half_thickness(dims: DrawingDimensions, height):
+def roller_half_thickness(dims: DrawingDimensions, height: Any) -> Any:
     """Half the thickness of a roller tooth: two convex arcs; p/2 thick less the thinning."""
     radius, angle = dims.profile_radius, dims.flank_angle
     square = radius**2 - (height + radius * math.sin(angle)) ** 2

@@ -42,12 +42,26 @@ def test_export(run, tmp_path):
     printed.finish()
 
 
+def test_export_of_solids(run):
+    """The first lines of a STEP file name the format; `tests/exchange` reads the solids."""
+    pytest.importorskip("OCP", reason="the extra `step` is not installed")
+    lengths = [
+        word for body in ("screw", "roller", "nut") for word in ("--set", f"{body}.length=5 mm")
+    ]
+    found, printed = run("export", "actuator", "--as", "step", *lengths)
+    names = [f"out/export/actuator-{body}.step" for body in ("screw", "roller", "nut")]
+    assert found == {"files": {"step": names}}
+    assert [line for (line,) in printed.lines] == names
+    assert all(Path(name).read_text().startswith("ISO-10303-21;") for name in names)
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (("--as", "xls"), "--as xls: unknown format; did you mean xlsx?"),
         (("--as", ","), "--as names no format"),
         (("--as", "tables"), "has no duty cycle"),
+        (("--as", "step"), "there is no solid"),
         (("--as", "dxf", "--scenario", "absent.csv"), "absent.csv: there is no such file"),
     ],
 )

@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -17,6 +17,9 @@ from ....scenario import depends_on_motion
 from ..._app import app
 from ..._common import Common, emit, words_of
 from ..._progress import doing, expect_programs
+
+if TYPE_CHECKING:
+    from ....exchange import StepBody
 
 _DEFAULT = Common()
 _FOLDER = "out/export"
@@ -45,6 +48,27 @@ def _dxf(wanted: _Wanted) -> list[Path]:
         write_dxf(wanted.path(name), wanted.mechanism, stage=stage)
         for stage, name in zip(stages, names, strict=True)
     ]
+
+
+def _step(wanted: _Wanted) -> list[Path]:
+    from ....exchange import write_step
+
+    bodies: "tuple[StepBody, ...]" = ("screw", "roller", "nut")
+    written, many = [], len(wanted.mechanism.stages) > 1
+    for stage, number in ((one, k) for k, one in enumerate(wanted.mechanism.stages, start=1)):
+        for body in bodies:
+            # The length of a screw or nut that is longer than what is modelled may be absent.
+            if getattr(stage, body).length is None:
+                continue
+            name = f"-stage-{number}-{body}.step" if many else f"-{body}.step"
+            doing(f"making the {body}")
+            written.append(write_step(wanted.path(name), wanted.mechanism, body, stage=number))
+    if not written:
+        raise PrsmError(
+            f"{wanted.file}: has no length of screw, roller or nut, so there is no solid; give "
+            "stage.roller.length"
+        )
+    return written
 
 
 def _xlsx(wanted: _Wanted) -> list[Path]:
@@ -109,6 +133,7 @@ def _toml(wanted: _Wanted) -> list[Path]:
 #: By the word of `--as`: the function that writes the files.
 _FORMATS: dict[str, Callable[[_Wanted], list[Path]]] = {
     "dxf": _dxf,
+    "step": _step,
     "xlsx": _xlsx,
     "mat": _of_result(".mat"),
     "nc": _of_result(".nc"),
@@ -137,9 +162,9 @@ def export(
         str,
         Parameter(
             name="--as",
-            help="Formats, separated by commas: dxf (drawing), xlsx (tables of the report); mat, "
-            "nc, csv (a result); fmu (FMI 3.0, driven by a torque); tables (duty cycle and "
-            "scenario as CSV); toml (the mechanism).",
+            help="Formats, separated by commas: dxf (drawing), step (solids), xlsx (tables of "
+            "the report); mat, nc, csv (a result); fmu (FMI 3.0, driven by a torque); "
+            "tables (duty cycle and scenario as CSV); toml (the mechanism).",
         ),
     ],
     result: Annotated[

@@ -1,0 +1,4 @@
+"""Bodies with their threads as solids, in STEP files."""
+
+from ._bodies import StepBody as StepBody, ThreadedBody as ThreadedBody
+from ._write import solid_volume as solid_volume, write_step as write_step
