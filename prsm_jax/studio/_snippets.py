@@ -9,7 +9,7 @@ import numpy as np
 from ..findings import StrengthCheck
 from ..geometry import Finding
 from ..report import checks_table
-from ..text import display_unit, in_unit, number, show, state_without_efficiency
+from ..text import MINUS, display_unit, in_unit, number, show, state_without_efficiency
 from ._improve import Improvement
 from ._readings import LimitReading, Numbers, Verdicts
 from ._variables import StudioVariable
@@ -190,13 +190,14 @@ def comparison_html(kept: Numbers, now: Numbers, variables: Sequence[StudioVaria
 
 def _difference(label: str, before: float, after: float, unit, quantity: str) -> tuple[str, ...]:
     def cell(value: float) -> str:
-        return state_without_efficiency(quantity, value) or in_unit(value, unit)
+        return _unbroken(state_without_efficiency(quantity, value) or in_unit(value, unit))
 
     change = after - before
     same = abs(change) <= _ROUNDING * max(abs(before), abs(after))
-    words = "same" if same else ("+" if change > 0 else "") + in_unit(change, unit, 3)
+    words = _unbroken("same" if same else ("+" if change > 0 else "") + in_unit(change, unit, 3))
     if not same and before and math.isfinite(change / before):
-        words += f" ({100 * change / abs(before):+.2f} %)".replace("-", "−")
+        share = f"({100 * change / abs(before):+.2f} %)".replace("-", MINUS)
+        words += f" {_unbroken(share)}"
     return label, cell(before), cell(after), words
 
 

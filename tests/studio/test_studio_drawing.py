@@ -1,6 +1,7 @@
 """The light drawing shows what the drawing of the report shows, to scale."""
 
 import re
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -9,13 +10,15 @@ import prsm_jax as prsm
 from prsm_jax.report import cross_section, section_svg
 from prsm_jax.report._style import BODY_COLOURS
 
+SMALL = Path(__file__).with_name("small_screw.toml")
 _SVG = "{http://www.w3.org/2000/svg}"
 
 
-@pytest.mark.parametrize("example", ["actuator", "wu2022"])
-def test_views_are_to_scale_and_have_the_words_of_the_report(example):
-    mechanism = prsm.load(example)
+@pytest.mark.parametrize(("source", "on_paper"), [("actuator", 1.0), (SMALL, 2.0)])
+def test_views_are_to_scale_and_have_the_words_of_the_report(source, on_paper):
+    mechanism = prsm.load(source)
     across, along, scale = section_svg(mechanism)
+    assert scale == on_paper
     thread, count = mechanism.stages[0].thread, mechanism.stages[0].roller_count
     page = ElementTree.fromstring(across)
     circles = [one.attrib for one in page.iter(f"{_SVG}circle")]
