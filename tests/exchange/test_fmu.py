@@ -105,18 +105,18 @@ def run(unit):
 
 
 def test_a_run_equals_simulate(run, mechanism):
-    """Steps of 1 ms against one run up to each time; both have errors of 1e-8 of the speed."""
+    """Steps of 1 ms against one run up to each time; steps have errors of up to 1e-8."""
     assert np.allclose(run["time"], STEP * np.arange(21), atol=1e-12)
     middle = round(REVERSAL / STEP)
     before = _simulated(mechanism, 0.0, FORWARD, REVERSAL)
     after = _simulated(mechanism, before[0], BACKWARD, STOP - REVERSAL)
     largest = max(abs(run["screw_speed"]))
     assert largest > 50
-    assert run["screw_speed"][middle] == pytest.approx(before[0], abs=1e-8 * largest)
-    assert run["screw_speed"][-1] == pytest.approx(after[0], abs=1e-8 * largest)
+    assert run["screw_speed"][middle] == pytest.approx(before[0], abs=1e-9 * largest)
+    assert run["screw_speed"][-1] == pytest.approx(after[0], abs=1e-9 * largest)
     moved = run["nut_position"] - 0.25
-    assert moved[middle] == pytest.approx(before[1], rel=1e-8)
-    assert moved[-1] == pytest.approx(before[1] + after[1], rel=1e-8)
+    assert moved[middle] == pytest.approx(before[1], rel=5e-9)
+    assert moved[-1] == pytest.approx(before[1] + after[1], rel=5e-9)
 
 
 def test_outputs_agree_with_each_other_and_with_the_geometry(run, mechanism):
