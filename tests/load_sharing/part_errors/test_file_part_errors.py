@@ -27,7 +27,7 @@ overturning_moment_angle = "45 deg"
 """
 
 
-def _mechanism(tables=_TABLES):
+def _mechanism(tables=_TABLES) -> Any:
     text = file.example_text("actuator_load_sharing")
     return file.loads(text[: text.index("[stage.load_sharing.split_nut]")] + tables)
 
@@ -44,7 +44,7 @@ def test_units_and_the_way_back():
     assert jax.tree.structure(again) == jax.tree.structure(mechanism)
     pairs = zip(jax.tree.leaves(again), jax.tree.leaves(mechanism), strict=True)
     assert all(np.allclose(a, b, rtol=1e-15, atol=0) for a, b in pairs)
-    moved = prsm.set_parameter(mechanism, "stage.1.load_sharing.part_errors.nut_tilt", 2e-4)
+    moved: Any = prsm.set_parameter(mechanism, "stage.1.load_sharing.part_errors.nut_tilt", 2e-4)
     assert float(moved.stages[0].load_sharing.part_errors.nut_tilt) == 2e-4
 
 
@@ -96,9 +96,9 @@ def test_printed_lines():
     assert len(lines_across(numbers | {"nut_displacement_m": None})) == 3
 
 
-def _threads(stage, found):
+def _threads(stage, found) -> Any:
     from prsm_jax.stiffness import thread_stiffness
 
-    threads = thread_stiffness(stage, lambda: found)
+    threads: Any = thread_stiffness(stage, lambda: found)
     np.testing.assert_allclose(threads.nut_each, found.nut.stiffness)
     return threads
