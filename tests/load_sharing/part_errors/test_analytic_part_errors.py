@@ -12,7 +12,10 @@ from error_scenes import (
     shared,
     stage_with,
 )
+from scenes import array
 
+import prsm_jax as prsm
+from prsm_jax.load_sharing import stage_load_distribution
 from prsm_jax.mechanism import FreeNut, PartErrors, UnequalRoller
 
 
@@ -129,6 +132,18 @@ def test_force_is_where_rollers_are_pressed():
     assert float(found.nut_radial_force[0]) < 0
     spread = np.std(loads) / np.mean(loads)
     assert float(found.nut.roller_load_unbalance) == pytest.approx(spread, rel=1e-12)
+
+
+def test_only_what_a_stage_mentions_is_traced():
+    def physics(stage):
+        found = prsm.programs.traced_physics(
+            lambda s: stage_load_distribution(s, array(LOAD)), stage
+        )
+        return found & {"part_errors", "free_nut"}
+
+    assert physics(stage_with()) == set()
+    assert physics(stage_with({})) == {"part_errors"}
+    assert physics(stage_with(free_nut=FREE)) == {"free_nut"}
 
 
 @pytest.mark.parametrize(

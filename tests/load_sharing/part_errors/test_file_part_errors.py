@@ -1,5 +1,7 @@
 """Errors of parts in a file: units, the way back, and what the verb prints."""
 
+from typing import Any
+
 import equinox as eqx
 import jax
 import numpy as np
@@ -8,6 +10,7 @@ from error_scenes import LOAD, shared, stage_with
 
 import prsm_jax as prsm
 from prsm_jax import file
+from prsm_jax.cli.verbs._contact import _lines_across as lines_across
 
 # Of ten rollers, in micrometres.
 _TABLES = """
@@ -24,7 +27,7 @@ overturning_moment_angle = "45 deg"
 """
 
 
-def _mechanism(tables=_TABLES):
+def _mechanism(tables=_TABLES) -> Any:
     text = file.example_text("actuator_load_sharing")
     return file.loads(text[: text.index("[stage.load_sharing.split_nut]")] + tables)
 
@@ -41,7 +44,7 @@ def test_units_and_the_way_back():
     assert jax.tree.structure(again) == jax.tree.structure(mechanism)
     pairs = zip(jax.tree.leaves(again), jax.tree.leaves(mechanism), strict=True)
     assert all(np.allclose(a, b, rtol=1e-15, atol=0) for a, b in pairs)
-    moved = prsm.set_parameter(mechanism, "stage.1.load_sharing.part_errors.nut_tilt", 2e-4)
+    moved: Any = prsm.set_parameter(mechanism, "stage.1.load_sharing.part_errors.nut_tilt", 2e-4)
     assert float(moved.stages[0].load_sharing.part_errors.nut_tilt) == 2e-4
 
 
@@ -78,9 +81,24 @@ def test_quantities_of_errors():
     assert prsm.vibration.vibration_system(stage, _threads(stage, found)).symmetric is False
 
 
-def _threads(stage, found):
+def test_printed_lines():
+    """Vectors by their lengths, in the order of the table; a nut that is held has not moved."""
+    numbers: dict[str, Any] = {
+        "roller_load_unbalance": 0.25,
+        "nut_radial_force_n": [-30.0, 40.0],
+        "nut_overturning_moment_nm": [0.0, -2.5],
+        "nut_displacement_m": [3e-6, 4e-6],
+        "nut_lean_rad": [0.0, 1e-4],
+    }
+    printed = [(value, unit) for _, value, unit in lines_across(numbers)]
+    assert printed[:3] == [(0.25, "1"), (50.0, "N"), (2.5, "N·m")]
+    assert printed[3:] == [(pytest.approx(5e-6), "m"), (1e-4, "rad")]
+    assert len(lines_across(numbers | {"nut_displacement_m": None})) == 3
+
+
+def _threads(stage, found) -> Any:
     from prsm_jax.stiffness import thread_stiffness
 
-    threads = thread_stiffness(stage, lambda: found)
+    threads: Any = thread_stiffness(stage, lambda: found)
     np.testing.assert_allclose(threads.nut_each, found.nut.stiffness)
     return threads
