@@ -34,8 +34,9 @@ def sensitivity_bars(
             f"elasticity has the shape {values.shape}; {len(quantities)} quantities and "
             f"{len(parameters)} parameters need {(len(quantities), len(parameters))}, not empty"
         )
-    bar = 3.4
-    group = bar * len(parameters) + 3.0
+    # About as high as its words: a page of a report holds a dozen quantities.
+    bar = 2.6
+    group = bar * len(parameters) + 1.6
     rows = math.ceil(len(parameters) / 4)
     figure = page_figure(group * len(quantities) + 20 + 5 * rows)
     axes = figure.add_subplot()
