@@ -1,5 +1,8 @@
 """Largest and smallest number of an array, with the derivative of the one that is chosen."""
 
+from collections.abc import Callable
+
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -14,10 +17,15 @@ def largest(values: Float[Array, "..."]) -> Scalar:
     them differently if they are fused with other operations. An index is always that of a number.
     At a tie the derivative is that of the first.
     """
-    flat = jnp.ravel(values)
-    return flat[jnp.argmax(flat)]
+    return _at(jax.lax.argmax, values)
 
 
 def smallest(values: Float[Array, "..."]) -> Scalar:
     """The smallest of all numbers, as `largest`."""
-    return -largest(-values)
+    return _at(jax.lax.argmin, values)
+
+
+def _at(place: Callable[..., Array], values: Array) -> Scalar:
+    flat = jnp.ravel(values)
+    # An unsigned index cannot count from the end: three operations less.
+    return jax.lax.dynamic_index_in_dim(flat, place(flat, 0, jnp.uint32), keepdims=False)

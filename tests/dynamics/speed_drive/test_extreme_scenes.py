@@ -50,7 +50,8 @@ def test_a_speed_without_end_is_refused_by_every_method(method):
 @pytest.mark.parametrize("value", _NOT_FINITE)
 def test_a_speed_or_load_that_is_not_finite_is_refused(value):
     with pytest.raises(
-        ValueError, match=r"Scenario: speed is .*finite; give the screw speed in rad/s"
+        ValueError,
+        match=r"Scenario: speed is .*finite; give the speed of the body that turns in rad/s",
     ):
         Scenario(value, 7e3, 1e-3)
     with pytest.raises(

@@ -228,13 +228,14 @@ def test_what_is_no_number_does_not_stop_the_printing():
 _UNITS = {
     "N": (
         "axial_force carrier_axial_force carrier_force contact_force force forward load "
-        "normal_force nut_contact_force nut_load nut_on_roller pin_on_roller reverse "
-        "ring_gear_force ring_gear_on_roller screw_contact_force screw_friction_on_roller "
+        "normal_force nut_contact_force nut_load nut_on_roller nut_radial_force pin_on_roller "
+        "reverse ring_gear_force ring_gear_on_roller screw_contact_force screw_friction_on_roller "
         "screw_normal_on_roller screw_roller_axial_force spacer_force spline_friction "
         "spring_force thrust_bearing_force"
     ),
     "m": (
-        "approach approach_difference arc axial_gap contact_radius deflection depth depths "
+        "approach approach_difference arc axial_gap contact_place contact_radius deflection depth "
+        "depths nut_displacement "
         "displacement distance gap half_width max_half_width position radius "
         "roller_contact_radius semi_major semi_minor"
     ),
@@ -250,14 +251,14 @@ _UNITS = {
     "J": "stored_energy",
     "Pa": "max_pressure pressure value",
     "N·m": (
-        "anti_rotation_torque drag_torque drive_torque nut_moment_on_roller "
+        "anti_rotation_torque drag_torque drive_torque nut_moment_on_roller nut_overturning_moment "
         "screw_moment_on_roller thrust_bearing_torque"
     ),
     "s": "duration time time_constant",
     "rad/s": "carrier_speed screw_speed speed",
     "W": "input_power load_power losses output_power",
     "m/s": "slip_speed",
-    "rad": "contact_angle_position roller_angle_position turned_angle",
+    "rad": "contact_angle_position nut_lean roller_angle roller_angle_position turned_angle",
     "m²": "area",
     "Hz": "frequency",
 }
