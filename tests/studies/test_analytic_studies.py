@@ -331,6 +331,7 @@ def test_defaults_come_from_the_file():
     ]
     # A quantity of the study is not a limit a second time.
     assert problem.limited == {
+        "first_axial_frequency": "maximise",
         "max_pressure_shared": "minimise",
         "nut_axial_stiffness_secant": "maximise",
         "nut_outer_diameter": "minimise",
