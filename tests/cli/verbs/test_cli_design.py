@@ -172,6 +172,7 @@ def test_the_example_of_the_demo_is_one_of_them():
 
 
 @pytest.mark.timeout(900)
+@pytest.mark.usefixtures("memory_for_large_programs")
 def test_demo(prsm, tmp_path):
     """Everything is there, and the optimised file gives the numbers that the report claims."""
     folder = tmp_path / "demo"
