@@ -55,7 +55,7 @@ def _step(wanted: _Wanted) -> list[Path]:
 
     bodies: "tuple[StepBody, ...]" = ("screw", "roller", "nut")
     written, many = [], len(wanted.mechanism.stages) > 1
-    for stage, number in ((one, k) for k, one in enumerate(wanted.mechanism.stages, start=1)):
+    for number, stage in enumerate(wanted.mechanism.stages, start=1):
         for body in bodies:
             # The length of a screw or nut that is longer than what is modelled may be absent.
             if getattr(stage, body).length is None:
