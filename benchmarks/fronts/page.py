@@ -63,8 +63,7 @@ def _fronts(document: dict[str, Any]) -> Iterator[str]:
             yield f"\nThe goal is not judged. {residual}"
             continue
         larger = one["hypervolume_ratio"] >= 1
-        # A number of generations is whole, so that 20 times as many designs may be 19.99.
-        fewer = round(one["evaluation_ratio"], 1) >= 20
+        fewer = one["evaluation_ratio"] >= 20
         verdict = "reached" if larger and fewer else "NOT reached"
         yield (
             f"\nVolume over the best of NSGA-II {one['hypervolume_ratio']:.4f}, with "

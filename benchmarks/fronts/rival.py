@@ -1,5 +1,6 @@
 """NSGA-II of pymoo on the same objectives, variables, constraints and margins of `check`."""
 
+import math
 import time
 from importlib import import_module
 from typing import Any
@@ -98,7 +99,8 @@ def nsga2(
             out["G"] = np.where(good[:, None], broken, _FAILED)
 
     begin = time.perf_counter()
-    generations = max(1, round(evaluations / population))
+    # At least as many designs as asked for: the rival has no fewer than its share.
+    generations = math.ceil(evaluations / population)
     found = minimize(Design(), algorithm(pop_size=population), ("n_gen", generations), seed=seed)
     seconds = time.perf_counter() - begin
     objectives = np.empty((0, len(places))) if found.F is None else np.atleast_2d(found.F)

@@ -213,7 +213,7 @@ def _tables(table: Sensitivity) -> tuple[TextTable, ...]:
             continue
         cells = [float(shown(g) / s.per_si) for g, s in zip(gradient[i], steps, strict=True)]
         rows.append((label, float(shown(values[i])), *cells))
-        signs = [f"{e:+.4f}" if defined[i] else NOT_DEFINED for e in elasticity[i]]
+        signs = [f"{e:+z.4f}" if defined[i] else NOT_DEFINED for e in elasticity[i]]
         relative.append((name, *signs))
     tables = (
         TextTable("", ("quantity", "value", *heads), rows),

@@ -25,7 +25,7 @@ def cell_text(value: Any) -> str:
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     if isinstance(value, float | np.floating):
-        return NOT_DEFINED if np.isnan(value) else f"{float(value):.6g}".replace("inf", "∞")
+        return NOT_DEFINED if np.isnan(value) else f"{float(value):z.6g}".replace("inf", "∞")
     return printable(str(value))
 
 

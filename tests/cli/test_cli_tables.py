@@ -39,6 +39,11 @@ def test_numbers_are_right_aligned_and_words_left():
     assert lines[2:] == ["x       1", "long  100"]
 
 
+def test_zero_has_no_sign():
+    lines = TextTable("", ("a", "b"), [("x", -0.0), ("y", -0.5)]).text().splitlines()
+    assert lines[2:] == ["x     0", "y  -0.5"]
+
+
 def test_markdown_has_the_same_cells():
     text = TABLE.markdown()
     assert "| axial_stiffness | 1234.57 | 1.25e+09 | pass | force by travel" in text

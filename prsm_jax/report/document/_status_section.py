@@ -118,8 +118,9 @@ def status_section(data: ReportData) -> Section:
         words = (data.optimisation.in_a_sentence(), *words)
     if tables:
         words += (
-            "A margin of 0 is the limit. Margins without a unit are relative, such as 1 "
-            f"{MINUS} load / capacity.",
+            "A margin of 0 is the limit. A margin in % is the part of a capacity that is left "
+            f"before the limit (buckling with a safety of 2: 1/2 {MINUS} load / buckling load), "
+            "the life beyond the required one as a share of it, or a difference of efficiencies.",
         )
     last = list(designs.values())[-1]
     return Section("status", "Status", words, tables, status=last.status)
