@@ -56,6 +56,23 @@ def test_the_nut_is_as_long_as_its_dimension():
     assert max(xs) - min(xs) == pytest.approx(80 * scale, abs=0.02)
 
 
+def test_the_half_section_stands_upright():
+    """In SVG y grows downwards: the nut lies over the roller, the roller over the screw."""
+    _, along, scale = section_svg(prsm.load("actuator"))
+    middles = {}
+    for body in ("nut", "roller", "screw"):
+        path = next(
+            one.attrib["d"]
+            for one in ElementTree.fromstring(along).iter(f"{_SVG}path")
+            if one.attrib.get("fill") == BODY_COLOURS[body]
+        )
+        ys = [float(y) for y in re.findall(r"[ML][\d.]+ ([\d.]+)", path)]
+        middles[body] = (min(ys) + max(ys)) / 2
+    assert middles["nut"] < middles["roller"] < middles["screw"]
+    # Roller of 8 mm and screw down to the bore of 8 mm: from 12 mm to 4 mm, in halves of teeth.
+    assert middles["screw"] - middles["roller"] == pytest.approx(8 * scale, abs=0.5 * scale)
+
+
 def test_a_stage_that_does_not_exist_is_refused():
     with pytest.raises(ValueError, match="stage"):
         section_svg(prsm.load("wu2022"), 3)
