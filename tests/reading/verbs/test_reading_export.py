@@ -3,14 +3,18 @@
 import csv
 import math
 from pathlib import Path
+from typing import Any
 
+import h5py
 import pytest
 from expectations import reads
 from ezdxf.filemanagement import readfile
 from fmpy.validation import validate_fmu
+from scipy.io import loadmat
 
 import prsm_jax as prsm
 from prsm_jax.cli import main
+from prsm_jax.cli.verbs.files import _export
 
 
 @reads("verb", "export")
@@ -53,6 +57,25 @@ def test_export_of_solids(run):
     assert found == {"files": {"step": names}}
     assert [line for (line,) in printed.lines] == names
     assert all(Path(name).read_text().startswith("ISO-10303-21;") for name in names)
+
+
+def test_a_result_in_two_formats_is_computed_once(run, monkeypatch):
+    """Both files hold its drive torque [N·m]."""
+    results, steady_state = [], _export.steady_state
+    monkeypatch.setattr(
+        _export, "steady_state", lambda one: results.append(steady_state(one)) or results[-1]
+    )
+    found, printed = run("export", "wu2022", "--as", "mat,nc", "--result", "steady")
+    # The verb runs twice, once for its JSON.
+    assert len(results) == 2
+    result = results[-1]
+    read = loadmat(found["files"]["mat"][0], simplify_cells=True)["steadystate"]
+    assert read["drive_torque"] == float(result.drive_torque)
+    with h5py.File(found["files"]["nc"][0]) as file:
+        torque: Any = file["drive_torque"]
+        assert torque[()] == float(result.drive_torque)
+    printed.lines.clear()
+    printed.finish()
 
 
 @pytest.mark.parametrize(

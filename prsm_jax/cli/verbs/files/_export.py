@@ -1,6 +1,7 @@
 """The verb export: drawings, workbooks, histories, FMUs and tables for other programs."""
 
 import dataclasses
+import functools
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -34,6 +35,14 @@ class _Wanted:
     folder: Path
     result: Literal["transient", "steady"]
 
+    @functools.cached_property
+    def computed(self) -> Result:
+        """The result, computed once for all formats."""
+        expect_programs("_transient" if self.result == "transient" else "steady_state")
+        if self.result == "steady":
+            return steady_state(self.mechanism)
+        return simulate(self.mechanism, default_scenario(self.mechanism))
+
     def path(self, ending: str) -> Path:
         """A path named after the file, such as `out/actuator.dxf` or `out/actuator-steady.mat`."""
         return self.folder / f"{Path(self.file).stem}{ending}"
@@ -58,7 +67,8 @@ def _step(wanted: _Wanted) -> list[Path]:
     for number, stage in enumerate(wanted.mechanism.stages, start=1):
         for body in bodies:
             # The length of a screw or nut that is longer than what is modelled may be absent.
-            if getattr(stage, body).length is None:
+            part = getattr(stage, body)
+            if part is None or part.length is None:
                 continue
             name = f"-stage-{number}-{body}.step" if many else f"-{body}.step"
             doing(f"making the {body}")
@@ -81,19 +91,12 @@ def _xlsx(wanted: _Wanted) -> list[Path]:
     return [write_workbook(wanted.path(".xlsx"), data)]
 
 
-def _result(wanted: _Wanted) -> Result:
-    expect_programs("_transient" if wanted.result == "transient" else "steady_state")
-    if wanted.result == "steady":
-        return steady_state(wanted.mechanism)
-    return simulate(wanted.mechanism, default_scenario(wanted.mechanism))
-
-
 def _of_result(ending: str) -> Callable[[_Wanted], list[Path]]:
     def write(wanted: _Wanted) -> list[Path]:
         from ....exchange import export_result
 
         path = wanted.path(f"-{wanted.result}{ending}")
-        return [export_result(_result(wanted), path)]
+        return [export_result(wanted.computed, path)]
 
     return write
 
