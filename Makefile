@@ -50,11 +50,12 @@ $(DOCS_STAMP): pyproject.toml constraints.txt | $(BIN)/python
 demo: $(DEMO_STAMP)
 	@$(BIN)/prsm demo --out out/demo
 
+# Without stored bytecode every worker and every process that a test starts translates all modules.
 test: CHOICE := not slow
 slow: CHOICE := slow
 test slow: $(TEST_STAMP)
 	files=$$($(BIN)/python -m tests.of_room $(ROOM)) && \
-	  $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "$(CHOICE)" $$files || \
+	  env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "$(CHOICE)" $$files || \
 	  { status=$$?; test -n "$(ROOM)" -a $$status -eq 5 && echo "ROOM=$(ROOM): no such tests"; }
 
 # Debian's packages. Without them the slow test of the studio is skipped, or fails where

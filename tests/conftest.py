@@ -94,8 +94,9 @@ gc.set_threshold(100_000, 20, 50)
 #: that the compiler aborts.
 _MAPPED_REGIONS = 25_000
 #: Compiled programs fill a worker's memory long before; two workers share a machine [bytes].
-#: Between modules, and between the tests of one.
-_MEMORY, _MEMORY_INSIDE = (5 << 30) // 4, (3 << 30) // 2
+#: Between modules, and between the tests of one: 0.7 GiB are taken before the first test, and the
+#: largest test takes 1.5 GiB more.
+_MEMORY, _MEMORY_INSIDE = 1 << 30, (5 << 30) // 4
 #: No worker may ever have taken more [bytes], or the session has failed, and the summary says so in
 #: red; only that with PRSM_TEST_MEMORY=told in the environment.
 _MOST_MEMORY = 3 << 30

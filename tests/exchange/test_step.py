@@ -1,5 +1,6 @@
 """Solids in STEP files, read by OpenCascade: volume, validity, and the thread at every height."""
 
+import importlib.util
 import math
 
 import equinox as eqx
@@ -11,15 +12,9 @@ from prsm_jax.exchange import StepBody, solid_volume, write_step
 from prsm_jax.exchange.step._library import opencascade
 from prsm_jax.mechanism import body_mass
 
-pytest.importorskip("OCP", reason="the extra `step` is not installed")
-
-checks = opencascade("BRepCheck")
-classifiers = opencascade("BRepClass3d")
-integrals = opencascade("BRepGProp")
-gp = opencascade("gp")
-properties = opencascade("GProp")
-control = opencascade("STEPControl")
-kinds = opencascade("TopAbs")
+pytestmark = pytest.mark.skipif(
+    importlib.util.find_spec("OCP") is None, reason="the extra `step` is not installed"
+)
 
 #: Lengths that are no whole number of pitches, short so that the library is quick [m].
 LENGTHS: dict[StepBody, float] = {"screw": 0.013, "roller": 0.0071, "nut": 0.011}
@@ -44,15 +39,15 @@ def solids(mechanism, tmp_path_factory):
 
 
 def _read(path):
-    reader = control.STEPControl_Reader()
+    reader = opencascade("STEPControl").STEPControl_Reader()
     reader.ReadFile(str(path))
     reader.TransferRoots()
     return reader.OneShape()
 
 
 def _properties(shape):
-    found = properties.GProp_GProps()
-    integrals.BRepGProp.VolumeProperties_s(shape, found, 1e-9)
+    found = opencascade("GProp").GProp_GProps()
+    opencascade("BRepGProp").BRepGProp.VolumeProperties_s(shape, found, 1e-9)
     return found
 
 
@@ -115,8 +110,8 @@ class _Profile:
 def test_the_solid_is_valid_and_has_the_volume_of_the_turned_profile(body, solids, mechanism):
     """Pappus: helical and turned threads have the same volume. The midpoint rule errs by 1e-9."""
     solid = solids[body]
-    assert solid.ShapeType() == kinds.TopAbs_SOLID
-    assert checks.BRepCheck_Analyzer(solid).IsValid()
+    assert solid.ShapeType() == opencascade("TopAbs").TopAbs_SOLID
+    assert opencascade("BRepCheck").BRepCheck_Analyzer(solid).IsValid()
     found, expected = _properties(solid), _Profile(mechanism, body).volume()
     # The library integrates over faces to about 1e-6.
     assert found.Mass() == pytest.approx(expected, rel=2e-6)
@@ -133,7 +128,8 @@ def test_no_face_goes_around_more_than_half_a_turn(body, solids, mechanism):
     """
     profile = _Profile(mechanism, body)
     half_turns = math.ceil(profile.length / (profile.starts * profile.pitch / 2))
-    explorer, faces = opencascade("TopExp").TopExp_Explorer(solids[body], kinds.TopAbs_FACE), 0
+    face = opencascade("TopAbs").TopAbs_FACE
+    explorer, faces = opencascade("TopExp").TopExp_Explorer(solids[body], face), 0
     while explorer.More():
         faces += 1
         explorer.Next()
@@ -148,13 +144,14 @@ def test_the_thread_is_a_right_handed_helix_with_the_profile(body, solids, mecha
     z = random.uniform(-0.49, 0.49, 25) * profile.length
     angle = random.uniform(-np.pi, np.pi, 25)
     radius = profile.surface(z - lead * angle / (2 * np.pi))
-    classify = classifiers.BRepClass3d_SolidClassifier(solids[body])
+    classify = opencascade("BRepClass3d").BRepClass3d_SolidClassifier(solids[body])
+    inside, gp = opencascade("TopAbs").TopAbs_IN, opencascade("gp")
     for height, turn, surface in zip(z, angle, radius, strict=True):
         for step in (-1e-3, 1e-3):
             r = surface + step
             point = gp.gp_Pnt(r * math.cos(turn), r * math.sin(turn), height)
             classify.Perform(point, 1e-7)
-            assert (classify.State() == kinds.TopAbs_IN) == (step * profile.sign < 0)
+            assert (classify.State() == inside) == (step * profile.sign < 0)
 
 
 @pytest.mark.parametrize(("body", "most"), [("screw", 0.01), ("roller", 0.01), ("nut", 0.002)])

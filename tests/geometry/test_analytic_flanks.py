@@ -97,6 +97,7 @@ def test_a_stage_changes_flank_by_itself():
     assert np.max(run.power_balance_residual) < 1e-12
 
 
+@pytest.mark.usefixtures("memory_for_large_programs")
 def test_at_no_load_everything_is_finite_and_its_derivative_too():
     """Losses in the contact ellipses included; past zero the other efficiency begins."""
     two = mechanism(
