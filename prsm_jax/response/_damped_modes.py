@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Complex, Float, Inexact
+from jaxtyping import Array, Bool, Complex, Float
 
 from ..fields import Scalar
 from ..numerics import above_or_nan
@@ -59,15 +59,15 @@ def _solved(matrix: Complex[Array, "3 3"], right: Complex[Array, "3"]) -> Comple
 class _Problem(NamedTuple):
     """Equations of the mode that is followed; time in units of 1/ω, damping of the scale σ."""
 
-    #: ω of the mode, and elongations of the dashpots by it.
-    omega: Scalar
-    own: Inexact[Array, " dashpots"]
-    #: ω_j² of all modes; their elongations, 0 for the one that is followed.
-    squares: Float[Array, " modes"]
-    others: Inexact[Array, "dashpots modes"]
+    #: All complex. ω of the mode, and elongations of the dashpots by it.
+    omega: Complex[Array, ""]
+    own: Complex[Array, " dashpots"]
+    #: ω_j², 0 for the one that is followed; their elongations, 0 for the same.
+    squares: Complex[Array, " modes"]
+    others: Complex[Array, "dashpots modes"]
     #: c and σ.
-    damping: Float[Array, " dashpots"]
-    scale: Scalar
+    damping: Complex[Array, " dashpots"]
+    scale: Complex[Array, ""]
 
     def residual(self, unknown: Complex[Array, " n"]) -> Complex[Array, " n"]:
         """Of the unknowns λ/ω and p = f/(ω σ)."""
@@ -76,7 +76,7 @@ class _Problem(NamedTuple):
         pushed = scale * omega * (self.others.conj().T @ force)
         moved = self.own - self.others @ (pushed / ((omega * value) ** 2 + self.squares))
         first = value**2 + 1 + scale / omega * jnp.sum(self.own.conj() * force)
-        whole = scale + jnp.abs(self.damping)
+        whole = scale + jnp.abs(self.damping).astype(scale.dtype)
         rest = self.damping / whole * value * moved - scale / whole * force
         return jnp.concatenate([first[None], rest])
 
@@ -89,12 +89,12 @@ class _Problem(NamedTuple):
 def _followed(of: _Problem, weakest: Scalar) -> tuple[Complex[Array, " n"], Bool[Array, ""]]:
     """λ/ω and forces of one mode, from weak damping to its own, and whether they were found."""
     fixed = jax.lax.stop_gradient(of)
-    kind = jnp.result_type(fixed.own.dtype, jnp.complex64)
-    start = jnp.concatenate([jnp.full((1,), 1j, kind), jnp.zeros_like(fixed.own).astype(kind)])
+    start = jnp.concatenate([jnp.full((1,), 1j, fixed.own.dtype), jnp.zeros_like(fixed.own)])
     shares = weakest ** jnp.linspace(1.0, 0.0, _STEPS, dtype=weakest.dtype)
 
     def stronger(unknown, share):
-        return fixed._replace(damping=share * fixed.damping).improved(unknown), None
+        damping = share.astype(fixed.damping.dtype) * fixed.damping
+        return fixed._replace(damping=damping).improved(unknown), None
 
     unknown, _ = jax.lax.scan(stronger, start, jnp.repeat(shares, _ITERATIONS))
     before = jax.lax.stop_gradient(unknown)
@@ -103,7 +103,7 @@ def _followed(of: _Problem, weakest: Scalar) -> tuple[Complex[Array, " n"], Bool
         # The last iterations differentiate the equations, not the way to their solution.
         after = of.improved(after)
     change = jnp.abs(jax.lax.stop_gradient(after)[0] - before[0])
-    accuracy = 1e-9 if fixed.omega.dtype == jnp.float64 else 1e-3
+    accuracy = 1e-9 if weakest.dtype == jnp.float64 else 1e-3
     return after, (change <= accuracy * jnp.abs(before[0])) & (jnp.imag(before[0]) > 1e-3)
 
 
@@ -133,6 +133,7 @@ def damped_modes(modes: SpringModes, dashpots: SpringNetwork) -> DampedModes:
     mean = members @ (damping @ sizes) / number
     first = jnp.where(elastic, mean / (2 * safe), 0.0)
 
+    kind = jnp.complex128 if omega.dtype == jnp.float64 else jnp.complex64
     largest = jax.lax.stop_gradient(jnp.max(jnp.sum(sizes, axis=0)))
     couples = above_or_nan(largest)
     strength = jnp.max(jnp.abs(damping) @ sizes)
@@ -140,18 +141,20 @@ def damped_modes(modes: SpringModes, dashpots: SpringNetwork) -> DampedModes:
     def follow(at: Array, own_omega: Scalar):
         own = at == jnp.arange(len(omega))
         scale = own_omega / jnp.where(couples, largest, 1.0)
-        problem = _Problem(
+        parts = (
             own_omega,
             moved[:, at],
+            # A rigid motion is one of frequency 0, without the rounding of it.
             jnp.where(elastic & ~own, squares, 0.0),
             jnp.where(own[None, :], jnp.zeros_like(moved), moved),
             damping,
             jax.lax.stop_gradient(scale),
         )
+        problem = _Problem(*(part.astype(kind) for part in parts))
         weak = _WEAK * 2 * own_omega / jnp.where(above_or_nan(strength), strength, 1.0)
         weak = jnp.where(above_or_nan(strength), jnp.minimum(weak, 1.0), 1.0)
         unknown, found = _followed(problem, jax.lax.stop_gradient(weak))
-        return unknown[0] * own_omega, found
+        return unknown[0] * own_omega.astype(kind), found
 
     values, found = jax.vmap(follow)(jnp.arange(len(omega)), safe)
     finite = jnp.isfinite(jnp.abs(jax.lax.stop_gradient(values)))
