@@ -1,4 +1,4 @@
-"""Derivatives of damping ratios, forward and reverse, near standstill and at repeated roots too."""
+"""Derivatives of damped modes and of creep friction, forward and reverse, near standstill too."""
 
 import dataclasses
 
@@ -7,67 +7,65 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from present import present
 from scenes import example
 
-import prsm_jax as prsm
-from prsm_jax.friction import StribeckFriction
-from prsm_jax.response import spatial_damping
+from prsm_jax.response import creep_friction
+from prsm_jax.response._damped_modes import damped_modes
+from prsm_jax.vibration import Coordinate, Spring, SpringNetwork, spring_modes
+
+#: Three masses in a chain whose first may move freely with the last, and two dashpots.
+_ROWS = np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0], [0.3, 0.2, -0.5]])
+_DASHPOTS = np.array([[1.0, 0.0, -1.0], [0.2, -1.0, 0.8]])
+_PLACES = tuple(Coordinate(name, "x") for name in "abc")
 
 
-def _mechanism():
-    one = example("actuator")
-    friction = dataclasses.replace(
-        present(one.stages[0].friction),
-        thread=StribeckFriction(0.15, 0.06, 0.1),
-        spin=None,
-        rolling_hysteresis=None,
+def _ratios(changes, damping):
+    stiffness = jnp.asarray([2e7, 5e6, 1e6]) * (1 + changes)
+    names = tuple(Spring(name) for name in "klm")
+    mass = jnp.asarray([1.0, 0.4, 0.02])
+    network = SpringNetwork(stiffness, jnp.asarray(_ROWS), mass, _PLACES, names)
+    dashpots = dataclasses.replace(
+        network,
+        stiffness=damping * jnp.asarray([1.0, -0.1]) * (1 + changes[0]),
+        rows=jnp.asarray(_DASHPOTS),
+        springs=names[:2],
     )
-    return dataclasses.replace(one, stages=(dataclasses.replace(one.stages[0], friction=friction),))
-
-
-def _ratios(mechanism, changes, speed):
-    """Exact and first-order ratios of all groups; the transverse and roller roots are repeated."""
-    moved = mechanism
-    for name, change in zip(("lead", "roller_radius"), changes[1:], strict=True):
-        value = prsm.get_parameter(mechanism, name)
-        moved = prsm.set_parameter(moved, name, value * (1 + change))
-    found = spatial_damping(moved, speed=speed * (1 + changes[0]), load=12e3)
-    return jnp.concatenate([*found.ratios, *found.first_order_ratios])
+    found = damped_modes(spring_modes(network), dashpots)
+    return jnp.concatenate([found.ratios, found.first_order])
 
 
 _values = eqx.filter_jit(_ratios)
+_slopes = eqx.filter_jit(jax.jacfwd(_ratios))
+_pulled = eqx.filter_jit(jax.jacrev(_ratios))
 
 
-@eqx.filter_jit
-def _slope(mechanism, direction, speed):
-    zero = jnp.zeros_like(direction)
-    return jax.jvp(lambda c: _ratios(mechanism, c, speed), (zero,), (direction,))[1]
-
-
-@eqx.filter_jit
-def _pulled_back(mechanism, weights, speed):
-    return jax.grad(lambda c: weights @ _ratios(mechanism, c, speed))(jnp.zeros(3))
-
-
-@pytest.mark.parametrize("speed", [157.0, 1e-4, 0.0])
-def test_forward_and_reverse_derivatives_are_central_differences(speed):
-    mechanism = _mechanism()
-    speed = jnp.asarray(speed)
-    at_zero = np.asarray(_values(mechanism, jnp.zeros(3), speed))
-    assert np.isfinite(at_zero).all()
-    slopes = np.stack([_slope(mechanism, jnp.eye(3)[at], speed) for at in range(3)], axis=1)
-    step = 1e-4
-    for at in range(3):
+@pytest.mark.parametrize("damping", [0.0, 3.0, 400.0, 1e9])
+def test_forward_and_reverse_derivatives_are_central_differences(damping):
+    damping, zero, step = jnp.asarray(damping), jnp.zeros(3), 1e-3
+    forward, backward = np.asarray(_slopes(zero, damping)), np.asarray(_pulled(zero, damping))
+    for at, way in enumerate(np.eye(3)):
         outer, inner = (
-            (_values(mechanism, h * jnp.eye(3)[at], speed)
-             - _values(mechanism, -h * jnp.eye(3)[at], speed)) / (2 * h)
+            np.asarray(_values(h * way, damping) - _values(-h * way, damping)) / (2 * h)
             for h in (2 * step, step)
-        )  # fmt: skip
-        difference = np.asarray(4 * inner - outer) / 3
-        # Rounding of the ratios over the step: |Re λ| has the digits of |λ|, some 1e-14.
-        assert slopes[:, at] == pytest.approx(difference, rel=1e-6, abs=1e-9)
-    weights = np.where(np.abs(at_zero) > 0, 1 / np.where(at_zero == 0, 1.0, at_zero), 0.0)
-    pulled = np.asarray(_pulled_back(mechanism, jnp.asarray(weights), speed))
-    assert np.isfinite(pulled).all()
-    assert pulled == pytest.approx(weights @ slopes, rel=1e-8, abs=1e-8)
+        )
+        size = np.abs(np.asarray(_values(zero, damping))) + 1e-4
+        assert np.abs(forward[:, at] - (4 * inner - outer) / 3) == pytest.approx(
+            0.0, abs=float(1e-8 * size.max())
+        )
+    assert np.isfinite(backward).all()
+    assert backward == pytest.approx(forward, rel=1e-9, abs=1e-12)
+
+
+@eqx.filter_jit
+def _across(mechanism, speed):
+    return creep_friction(mechanism, speed=speed, load=12e3).damping_across_slip
+
+
+def test_damping_across_the_slip_falls_as_the_speed_rises_and_is_finite_at_rest():
+    one = example("actuator")
+    slope = eqx.filter_jit(lambda m, s: jax.value_and_grad(lambda x: _across(m, x))(s))
+    for speed in (157.0, 1e-6):
+        value, change = slope(one, jnp.asarray(speed))
+        # Without a slope of the law, F μ/v₀ is inversely proportional to the speed.
+        assert float(change) == pytest.approx(-float(value) / speed, rel=1e-6)
+    assert [float(one) for one in slope(one, jnp.asarray(0.0))] == [0.0, 0.0]
