@@ -57,6 +57,7 @@ from .speed_drive import (
 )
 from .steady import (
     STEADY_RESULTS as STEADY_RESULTS,
+    SlidingContact as SlidingContact,
     SteadyState as SteadyState,
     all_kinematics as all_kinematics,
     friction_needs_load as friction_needs_load,
@@ -64,6 +65,7 @@ from .steady import (
     jamming_margin as jamming_margin,
     locking_coefficient as locking_coefficient,
     self_locking_margin as self_locking_margin,
+    sliding_contact as sliding_contact,
     steady_meaning as steady_meaning,
     steady_state as steady_state,
 )

@@ -5,6 +5,7 @@ from ._axis_compliance import (
     axis_compliance as axis_compliance,
 )
 from ._campbell import Campbell as Campbell, Crossing as Crossing, campbell as campbell
+from ._creep_friction import CreepFriction as CreepFriction, creep_friction as creep_friction
 from ._dissipation import (
     Dissipation as Dissipation,
     dissipation as dissipation,
@@ -34,3 +35,4 @@ from ._receptance import (
     harmonic_response as harmonic_response,
     receptance_matrix as receptance_matrix,
 )
+from ._spatial_damping import SpatialDamping as SpatialDamping, spatial_damping as spatial_damping

@@ -69,6 +69,8 @@ from .spatial import (
     SpatialSystem as SpatialSystem,
     axial_torsional_modes as axial_torsional_modes,
     axis_system as axis_system,
+    contact_spring as contact_spring,
+    screw_places as screw_places,
     spatial_harmonic_network as spatial_harmonic_network,
     spatial_modal as spatial_modal,
     spatial_modes as spatial_modes,

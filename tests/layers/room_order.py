@@ -28,6 +28,7 @@ LAYERS = {
     "vibration": {"mechanism", "geometry", "contact", "load_sharing", "stiffness"},
     "dynamics": {"friction", "scenario", "mechanism", "geometry", "contact", "stiffness"},
     "response": {
+        "friction",
         "mechanism",
         "geometry",
         "contact",

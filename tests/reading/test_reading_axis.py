@@ -230,6 +230,7 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes):
     found = object.__new__(_modal.Spatial)
     found.mechanism, found.stage, found.modes = scenes.example("actuator_axis"), 1, modes
     found.elastic, found.held, found.axis = modes.elastic_modes(), modes, values
+    found.damping = None
     monkeypatch.setattr(_modal, "Spatial", lambda *_: found)
     results, printed = run("modal", "actuator_axis", "--spatial")
     frequencies = [19.3, 127.1, 1310.0]

@@ -6,9 +6,10 @@ from typing import Annotated, Any
 import numpy as np
 from cyclopts import Parameter
 
-from ..._errors import PrsmError
+from ..._errors import MissingDataError, PrsmError
 from ...mechanism import Mechanism, find_parameters
 from ...quantities import assumptions, available_quantities, compute
+from ...response import SpatialDamping, spatial_damping
 from ...vibration import (
     FAMILIES,
     FrequencyLoci,
@@ -24,7 +25,7 @@ from .._app import app
 from .._assumed import VIBRATION
 from .._common import Common, checked, emit, value_of
 from .._progress import doing, expect_programs
-from .._tables import in_units, table
+from .._tables import in_units, prose, table
 
 _DEFAULT = Common()
 #: Values of the parameter, unless --points says otherwise.
@@ -42,6 +43,8 @@ AXIS_QUANTITIES = {
     "held_motor_stiffness": ("stiffness with the motor held", "N/m"),
 }
 _KEYS = {"Hz": "hz", "N/m": "n_per_m"}
+#: Of the table of modes in space.
+_COLUMNS = ("family", "f Hz", "times")
 #: Modes, and springs of each, in the table of energies; smaller shares are left out.
 _MODES, _SPRINGS, _LEAST = 5, 4, 0.01
 
@@ -258,6 +261,17 @@ def _loci_table(loci: FrequencyLoci, first: str | None, last: str | None) -> str
     return table(f"against {loci.parameter}", columns, rows)
 
 
+def _damping(mechanism: Mechanism, stage: int) -> SpatialDamping | None:
+    """Damping by creep friction at the operating point, where speed and load are given."""
+    if mechanism.operating_point is None:
+        return None
+    try:
+        return spatial_damping(mechanism, stage=stage)
+    except MissingDataError:
+        # Losses need data of their own, which frequencies do not.
+        return None
+
+
 class Spatial:
     """Modes in space of a mechanism, and numbers of its axis."""
 
@@ -265,6 +279,9 @@ class Spatial:
         self.mechanism, self.stage = mechanism, stage
         self.modes: SpatialModes = run_spatial_modal(mechanism, stage=stage, shapes=True)
         self.elastic = self.modes.elastic_modes()
+        self.damping: SpatialDamping | None = None
+        if mechanism.stages[stage - 1].thread_law is not None:
+            self.damping = _damping(mechanism, stage)
         self.held: SpatialModes | None = None
         axis = mechanism.axis
         if axis is not None and axis.motor is not None:
@@ -293,6 +310,17 @@ def spatial_results(found: Spatial, shapes: bool) -> dict[str, Any]:
             for mode in found.elastic
         ],
     }
+    if found.damping is not None:
+        creep = found.damping.creep
+        results["creep_friction"] = {
+            "result": found.damping.result_name,
+            # In the order of frequencies_hz.
+            "damping_ratios": np.asarray(found.damping.damping_ratios).tolist(),
+            "slip_speed_m_per_s": float(creep.slip_speed),
+            "contact_force_n": float(creep.contact_force),
+            "damping_along_slip_n_s_per_m": float(creep.damping_along_slip),
+            "damping_across_slip_n_s_per_m": float(creep.damping_across_slip),
+        }
     if found.held is not None:
         held = [mode.frequency for mode in found.held.elastic_modes()]
         results["antiresonances_hz"] = held
@@ -307,12 +335,22 @@ def spatial_text(found: Spatial, file: str) -> str:
     """Tables of frequencies, of the axis, and of the energies that say what to stiffen."""
     modes = found.modes
     values = modes.frequencies.tolist()
-    rows = [
+    rows: list[tuple[Any, ...]] = [
         (modes.families[at], 0.0 if modes.families[at] == "rigid" else values[at], times)
         for at, times in ((at, modes.multiplicities[at]) for at in modes.distinct)
     ]
-    title = f"Natural frequencies in space: {file}, stage {found.stage}"
-    lines = table(title, ["family", "f Hz", "times"], rows)
+    title, columns = f"Natural frequencies in space: {file}, stage {found.stage}", _COLUMNS
+    damping = found.damping
+    if damping is not None:
+        ratios, columns = np.asarray(damping.damping_ratios), (*_COLUMNS, "damping %")
+        rows = [
+            (*row, 100 * float(ratios[at])) for row, at in zip(rows, modes.distinct, strict=True)
+        ]
+    lines = table(title, list(columns), rows)
+    if damping is not None:
+        lines += prose("Damping: friction of the sliding threads at the operating point, no other.")
+        if damping.result_name != "successful":
+            lines += prose(damping.result)
     if found.axis:
         listed = [(*AXIS_QUANTITIES[n], v) for n, v in found.axis.items()]
         converted = in_units((words, value, unit) for words, unit, value in listed)

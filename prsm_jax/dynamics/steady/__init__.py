@@ -13,6 +13,7 @@ from ._locking import (
     self_locking_margin as self_locking_margin,
 )
 from ._root_search import find_roots as find_roots
+from ._sliding_contact import SlidingContact as SlidingContact, sliding_contact as sliding_contact
 from ._steady import (
     STEADY_RESULTS as STEADY_RESULTS,
     SteadyState as SteadyState,

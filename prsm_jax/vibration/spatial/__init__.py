@@ -27,6 +27,7 @@ from ._spring_words import strain_in_words as strain_in_words
 from ._springs import (
     RollerSpring as RollerSpring,
     contact_spring as contact_spring,
+    screw_places as screw_places,
     tangential_ratio as tangential_ratio,
 )
 from ._statics import static_compliance as static_compliance
