@@ -7,14 +7,24 @@ from ..geometry import Finding
 from ..mechanism import Mechanism, of_one_known_design
 from ..programs import one_program_where_possible
 from ..quantities import Analysis
-from . import _axis, _fit, _locking, _migration, _preferred, _stiffness, _strength, _truncation
+from . import (
+    _axis,
+    _fit,
+    _locking,
+    _migration,
+    _preferred,
+    _sharing,
+    _stiffness,
+    _strength,
+    _truncation,
+)
 from ._margin import Source, evaluate_margins, findings_of, margins_of, sources
 from ._masses import ExpectedMasses, expected_masses, mass_findings_from
-from ._sharing import sharing_findings
 
 #: Modules that declare margins when they are imported.
 DECLARED_IN = (
     *(_fit, _migration, _preferred, _stiffness, _locking, _strength, _truncation, _axis),
+    _sharing,
 )
 
 
@@ -57,7 +67,8 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     friction let the mechanism move: `jamming`, `self_locking`. Does it last: `static_safety`,
     `rating_life`, `buckling`, `screw_speed`, `false_brinelling`, `contact_truncation`. Do repeated
     numbers agree: `preload`, `engaged_threads`, `axial_backlash`, `spin_coefficient`. Is equal load
-    sharing assumed: `equal_sharing`. Nothing is raised; a mechanism without findings gives an empty
+    sharing assumed: `equal_sharing`; do errors of parts overload single rollers: `uneven_rollers`.
+    Nothing is raised; a mechanism without findings gives an empty
     tuple. Checks whose data are missing are skipped. Needs concrete numbers: inside a trace use
     `evaluate_margins`.
 
@@ -94,5 +105,5 @@ def check_from(mechanism: Mechanism, numbers: CheckNumbers) -> tuple[Finding, ..
     }
     findings += _strength.agreements(mechanism, plays)
     findings += _fit.assembly_notes(mechanism)
-    findings += sharing_findings(mechanism)
+    findings += _sharing.sharing_findings(mechanism)
     return tuple(sorted(findings, key=lambda finding: finding.stage))

@@ -21,6 +21,10 @@ from ._force_deflection import (
     ForceDeflection as ForceDeflection,
     force_deflection as force_deflection,
 )
+from ._left_out import (
+    LargestLoads as LargestLoads,
+    without_each_error as without_each_error,
+)
 from ._stage_chains import (
     regularised as regularised,
     roller_classes as roller_classes,
@@ -31,3 +35,4 @@ from ._unloaded import (
     elastic_deflection as elastic_deflection,
 )
 from ._yamamoto import ToothCompliance as ToothCompliance, tooth_compliance as tooth_compliance
+from .part_errors import error_names as error_names

@@ -258,6 +258,8 @@ def _nut_displacement_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: 
     ]
     own = jnp.tensordot(axial, along, axes=((1, 2), (1, 2)))
     own = own + chains.free_nut_regularisation * jnp.eye(4, dtype=own.dtype)
+    if free_nut.seat is not None:
+        own = own + jnp.diag(free_nut.seat)
     if radial is None or outward is None:
         return columns, own, None
     own = own + jnp.tensordot(radial, outward, axes=((1, 2), (1, 2)))

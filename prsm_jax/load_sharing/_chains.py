@@ -332,7 +332,9 @@ def balance(
     nut_displacement = None
     if chains.free_nut is not None:
         assert state.nut_displacement is not None
-        nut_displacement = _unbalanced_on_nut(chains, chains.free_nut, state.nut_displacement, nut)
+        moved, springs = state.nut_displacement, chains.free_nut_regularisation
+        both = None if nut.force_sum is None else weight * nut.force_sum
+        nut_displacement = chains.free_nut.unbalanced(moved, weight * nut.force, both, springs)
     control_residual = None
     if control == "deflection":
         control_residual = value - deflection_of(chains, state, load, offset)
@@ -358,18 +360,6 @@ def balance(
     )
 
 
-def _unbalanced_on_nut(
-    chains: Chains, free_nut: FreeNutCoupling, displacement: Float[Array, " 4"], nut: Teeth
-) -> Float[Array, " 4"]:
-    """Slope of the energy over the displacements of a free nut [N]."""
-    weight = chains.weight[:, None]
-    forces = jnp.tensordot(free_nut.axial, weight * nut.force, axes=2)
-    if free_nut.radial is not None:
-        assert nut.force_sum is not None
-        forces = forces + jnp.tensordot(free_nut.radial, weight * nut.force_sum, axes=2)
-    return chains.free_nut_regularisation * displacement - forces - free_nut.load
-
-
 def _differences(cumulated: Float[Array, "... segments"], last: Scalar):
     """Contribution of each thread, from the cumulated sums and the last total."""
     edge = (*cumulated.shape[:-1], 1)
@@ -387,7 +377,7 @@ def residual(chains: Chains, state: State, control: Control, value: Scalar) -> S
 
 
 def stored_energy(chains: Chains, state: State, load: Scalar) -> Scalar:
-    """Elastic energy in flanks, teeth, screw, rollers and nut (without regularisation) [J]."""
+    """Elastic energy in flanks, teeth, shafts and a nut's seat (without regularisation) [J]."""
     opening = _gap_opening(state.radial_shift)
     flanks = chains.screw.energy(state.screw_approach, opening)
     flanks = flanks + chains.nut.energy(*nut_flanks(chains, state, opening))
@@ -396,4 +386,8 @@ def stored_energy(chains: Chains, state: State, load: Scalar) -> Scalar:
     shafts = jnp.sum(chains.screw_segment * screw_force(state, load) ** 2)
     shafts = shafts + jnp.sum(chains.nut_segment * in_nut**2)
     shafts = shafts + jnp.sum(chains.roller_segment[None, :] / weight * state.roller_force**2)
-    return jnp.sum(weight * flanks) + shafts / 2
+    stored = jnp.sum(weight * flanks) + shafts / 2
+    if chains.free_nut is None:
+        return stored
+    assert state.nut_displacement is not None
+    return stored + chains.free_nut.stored(state.nut_displacement)

@@ -104,7 +104,7 @@ class LoadDistribution(DesignResult):
     @property
     @mapped
     def stored_energy(self) -> Scalar:
-        """Elastic energy in contacts, teeth and shafts [J]."""
+        """Elastic energy in contacts, teeth, shafts and an elastic seat of the nut [J]."""
         return stored_energy(self.chains, self.equilibrium.state, self.load)
 
     @mapped

@@ -13,6 +13,7 @@ NAMES = (
     "actuator_axis",
     "actuator_load_sharing",
     "actuator_mission",
+    "actuator_part_errors",
     "actuator_tolerances",
     "differential_stage",
     "humanoid_leg",
@@ -42,6 +43,7 @@ def test_each_says_where_its_numbers_come_from(name):
     [
         ("actuator", 50 * np.pi, 12e3, 1, 10),
         ("actuator_load_sharing", 50 * np.pi, 12e3, 1, 10),
+        ("actuator_part_errors", 50 * np.pi, 12e3, 1, 10),
         ("li2020_single_stage_viscous", 1.0, 100.0, 1, 7),
         ("li2020_two_stage", 100.0, 7e3, 2, 7),
         ("li2021_two_stage", 100.0, 5e3, 2, 7),

@@ -48,10 +48,11 @@ def _results(name):
 #: Left out are those whose physics another has: the mechanisms of the mission and of the tolerances
 #: are parts of the actuator, the stage within the axis is a simpler one, Li's second pair of stages
 #: has the laws of the first, and the annular rollers' nearest threaded mechanism those of the
-#: actuator. Load sharing, the axis and the motion of recirculating and differential roller screws
-#: have tests of their own.
+#: actuator. Load sharing, errors of parts, the axis and the motion of recirculating and
+#: differential roller screws have tests of their own.
 _LIKE_OTHERS = {
     *("actuator_axis", "actuator_mission", "actuator_tolerances", "actuator_load_sharing"),
+    "actuator_part_errors",
     *("li2021_two_stage", "ring_roller", "recirculating_stage", "differential_stage"),
 }
 NAMES = [name for name in file.example_names() if name not in _LIKE_OTHERS]

@@ -1,6 +1,10 @@
 """Errors of real parts and a free nut: what they do to the gaps, and the forces on the nut."""
 
 from ._free_nut import FreeNutCoupling as FreeNutCoupling, free_nut_coupling as free_nut_coupling
-from ._openings import GapOpening as GapOpening, gap_opening as gap_opening
+from ._openings import (
+    GapOpening as GapOpening,
+    error_names as error_names,
+    gap_opening as gap_opening,
+)
 from ._places import Places as Places, contact_places as contact_places
 from ._reaction import NutForces as NutForces, forces_on_nut as forces_on_nut

@@ -2,6 +2,7 @@ r"""A nut that moves sideways and leans: how its displacement changes the gaps o
 
 Its unknowns are $p = (d_x, d_y, r\tau_x, r\tau_y)$ [m]: displacement, and lean times the radius of
 its thread. They minimise the same convex energy as all others, less the work of the given load.
+An elastic seat adds $\tfrac12 k\,(d_x^2 + d_y^2) + \tfrac12 k_\tau(\tau_x^2 + \tau_y^2)$.
 """
 
 import equinox as eqx
@@ -23,6 +24,36 @@ class FreeNutCoupling(eqx.Module):
     radial: Float[Array, "4 rollers threads"] | None
     #: Radial load, and moment over the radius of the nut's thread [N].
     load: Float[Array, " 4"]
+    #: Stiffness of the seat over the displacements [N/m]; `None` without one.
+    seat: Float[Array, " 4"] | None = None
+
+    def unbalanced(
+        self,
+        displacement: Float[Array, " 4"],
+        force: Float[Array, "rollers threads"],
+        force_sum: Float[Array, "rollers threads"] | None,
+        springs: Scalar,
+    ) -> Float[Array, " 4"]:
+        """Slope of the energy over the displacements [N].
+
+        **Arguments:**
+
+        - `displacement`: of the nut.
+        - `force`, `force_sum`: on the nut side, net and of both flanks together [N].
+        - `springs`: stiffness of the regularising springs [N/m].
+        """
+        forces = jnp.tensordot(self.axial, force, axes=2)
+        if self.radial is not None:
+            assert force_sum is not None
+            forces = forces + jnp.tensordot(self.radial, force_sum, axes=2)
+        held = springs * displacement
+        if self.seat is not None:
+            held = held + self.seat * displacement
+        return held - forces - self.load
+
+    def stored(self, displacement: Float[Array, " 4"]) -> Scalar | float:
+        """Elastic energy in the seat [J]."""
+        return 0.0 if self.seat is None else jnp.sum(self.seat * displacement**2) / 2
 
     def shift(self, displacement: Float[Array, " 4"]) -> Float[Array, "rollers threads"]:
         """Decrease of the approach of the forward flanks [m]."""
@@ -58,6 +89,16 @@ def _vector(amount: Scalar | None, angle: Scalar | None, dtype) -> Float[Array, 
     return amount * jnp.stack([jnp.cos(angle), jnp.sin(angle)])
 
 
+@physics("nut_seat")
+def _seat(stage: Stage, nut: FreeNut, dtype) -> Float[Array, " 4"]:
+    """Stiffness of the seat over each displacement [N/m]; a lean is one over the radius."""
+    none = jnp.zeros((), dtype)
+    sideways = none if nut.radial_stiffness is None else nut.radial_stiffness
+    tilting = none if nut.tilting_stiffness is None else nut.tilting_stiffness
+    leaning = tilting / stage.thread.nut_radius**2
+    return jnp.stack([sideways, sideways, leaning, leaning])
+
+
 @physics("free_nut")
 def free_nut_coupling(stage: Stage, nut: FreeNut, places: Places, both: bool) -> FreeNutCoupling:
     """The coupling of a free nut to its contacts.
@@ -74,6 +115,8 @@ def free_nut_coupling(stage: Stage, nut: FreeNut, places: Places, both: bool) ->
     force = _vector(nut.radial_load, nut.radial_load_angle, dtype)
     moment = _vector(nut.overturning_moment, nut.overturning_moment_angle, dtype)
     load = jnp.concatenate([force, moment / stage.thread.nut_radius])
+    given = nut.radial_stiffness is not None or nut.tilting_stiffness is not None
+    seat = _seat(stage, nut, dtype) if given else None
     if both:
-        return FreeNutCoupling(axial, radial, load)
-    return FreeNutCoupling(axial + radial, None, load)
+        return FreeNutCoupling(axial, radial, load, seat)
+    return FreeNutCoupling(axial + radial, None, load, seat)

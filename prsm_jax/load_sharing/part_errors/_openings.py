@@ -10,9 +10,18 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ...fields import Scalar
-from ...mechanism import PartErrors, Stage
+from ...mechanism import LoadSharing, PartErrors, Stage
 from ...programs import physics
 from ._places import Places
+
+#: Amounts of errors, and of loads on a free nut, that make rollers unlike; angles only direct them.
+_AMOUNTS = {
+    "part_errors": (
+        *("nut_eccentricity", "nut_tilt", "screw_eccentricity", "screw_tilt"),
+        *("roller_diameter_deviation", "roller_tilt"),
+    ),
+    "free_nut": ("radial_load", "overturning_moment"),
+}
 
 PerContact = Float[Array, "rollers threads"]
 
@@ -24,6 +33,16 @@ class GapOpening(NamedTuple):
     radial: PerContact
     #: Opens forward flanks and closes reverse ones.
     axial: PerContact
+
+
+def error_names(sharing: LoadSharing) -> tuple[str, ...]:
+    """Errors of parts and loads across the axis that are given (`part_errors.nut_tilt`)."""
+    return tuple(
+        f"{part}.{field}"
+        for part, fields in _AMOUNTS.items()
+        for field in fields
+        if getattr(getattr(sharing, part), field, None) is not None
+    )
 
 
 def towards(amount: Scalar | None, angle: Scalar | None, places: Places) -> Array | None:

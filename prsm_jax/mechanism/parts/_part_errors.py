@@ -4,6 +4,7 @@ from typing import Any
 
 from ...fields import (
     ANY,
+    POSITIVE,
     CountOrTraced,
     Limited,
     OptionalNumber,
@@ -84,6 +85,8 @@ class FreeNut(Limited):
 
     The moment is about the middle of the engaged threads; its direction is the one towards which it
     tips the nut's end where thread numbers rise. Absent loads are 0: the nut then centres itself.
+    An elastic seat, given by its stiffnesses, pulls the nut back to where it was mounted, with its
+    errors; absent stiffnesses are 0, and very large ones hold the nut.
 
     Leaves: all numbers. Static: which of them are present.
 
@@ -94,6 +97,15 @@ class FreeNut(Limited):
     radial_load_angle: OptionalNumber = _angle("of the radial load")
     overturning_moment: OptionalNumber = _amount("N·m", "moment that tips the nut")
     overturning_moment_angle: OptionalNumber = _angle("towards which the moment tips the nut")
+    radial_stiffness: OptionalNumber = optional_number(
+        "N/m", "radial stiffness of the nut's seat; free sideways when absent", limit=POSITIVE
+    )
+    tilting_stiffness: OptionalNumber = optional_number(
+        "N·m/rad",
+        "stiffness of the nut's seat against a lean about the middle of the engaged threads; free "
+        "to lean when absent",
+        limit=POSITIVE,
+    )
 
     def __check_init__(self) -> None:
         _check_angles(self, _LOADS, "free_nut")

@@ -158,6 +158,11 @@ class Own:
             given = _vectors(float(f.radial_load), float(f.radial_load_angle))
             moment = _vectors(float(f.overturning_moment), float(f.overturning_moment_angle))
             pull[-4:] = *given[:2], *moment[:2]
+            sideways, leaning = (
+                0.0 if one is None else float(one)
+                for one in (f.radial_stiffness, f.tilting_stiffness)
+            )
+            linear[-4:, -4:] += np.diag([sideways] * 2 + [leaning] * 2)
         # The nut is held at its first node; weak springs hold what touches nothing.
         held = np.delete(np.arange(size), n)
         linear = linear + 1e-3 * np.diag(np.r_[np.ones(2 * n + ROLLERS * n), np.zeros(size)][:size])
