@@ -1,5 +1,8 @@
 """Pictures and tables of the axis in space, read back in SI."""
 
+import types
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -222,7 +225,23 @@ def test_compliance_at_nut_load_and_motor(modes):
     assert handles(chart.figure) == ["torsional", "axial", "motor held (anti-resonance)"]
 
 
-def test_the_verb_modal_in_space(run, monkeypatch, modes):
+def _damping() -> Any:
+    """Ratios of six modes in their order, one fed by friction, and the dashpots."""
+    return types.SimpleNamespace(
+        damping_ratios=np.asarray([0.0, 4.1e-5, 0.0153, -0.0078, -0.0078, 0.62]),
+        result_name="negative_damping",
+        result="negative damping: a sentence",
+        creep=types.SimpleNamespace(
+            slip_speed=0.311,
+            contact_force=471.0,
+            damping_along_slip=-13.7,
+            damping_across_slip=91.3,
+        ),
+    )
+
+
+@pytest.mark.parametrize("damped", [False, True])
+def test_the_verb_modal_in_space(run, monkeypatch, modes, damped):
     values = {
         name: float(made.odd(1e7 if unit == "N/m" else 100.0))
         for name, (_, unit) in _modal.AXIS_QUANTITIES.items()
@@ -230,7 +249,7 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes):
     found = object.__new__(_modal.Spatial)
     found.mechanism, found.stage, found.modes = scenes.example("actuator_axis"), 1, modes
     found.elastic, found.held, found.axis = modes.elastic_modes(), modes, values
-    found.damping = None
+    found.damping = _damping() if damped else None
     monkeypatch.setattr(_modal, "Spatial", lambda *_: found)
     results, printed = run("modal", "actuator_axis", "--spatial")
     frequencies = [19.3, 127.1, 1310.0]
@@ -248,6 +267,17 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes):
     families = ["torsional", "axial", "torsional"]
     keys = {"Hz": "hz", "N/m": "n_per_m"}
     units = {name: unit for name, (_, unit) in _modal.AXIS_QUANTITIES.items()}
+    assert ("creep_friction" in results) == damped
+    creep = results.pop("creep_friction", None)
+    if damped:
+        assert creep == {
+            "result": "negative_damping",
+            "damping_ratios": [0.0, 4.1e-5, 0.0153, -0.0078, -0.0078, 0.62],
+            "slip_speed_m_per_s": 0.311,
+            "contact_force_n": 471.0,
+            "damping_along_slip_n_s_per_m": -13.7,
+            "damping_across_slip_n_s_per_m": 91.3,
+        }
     assert_json(
         without_words(results),
         {
@@ -278,7 +308,16 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes):
         ("torsional", (1310.0, "Hz"), (1, "")),
     ]
     printed.row("Natural frequencies in space: actuator_axis, stage 1")
-    printed.table(("family", "f Hz", "times"), rows)
+    head = ("family", "f Hz", "times")
+    if damped:
+        # One row for each distinct frequency.
+        ratios = [0.0, 4.1e-5, 0.0153, -0.0078, 0.62]
+        rows = [(*row, (ratio, "1")) for row, ratio in zip(rows, ratios, strict=True)]
+        head = (*head, "damping %")
+    printed.table(head, rows)
+    if damped:
+        printed.row("Damping: friction of the sliding threads at the operating point, no other.")
+        printed.row("negative damping: a sentence")
     for name, (words, unit) in _modal.AXIS_QUANTITIES.items():
         printed.line(words, values[name], unit)
     springs = [
