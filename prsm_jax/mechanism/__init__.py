@@ -9,8 +9,8 @@ from ._contact_methods import (
 from ._mechanism import (
     CURVATURE_CONVENTIONS as CURVATURE_CONVENTIONS,
     CurvatureConvention as CurvatureConvention,
-    MassRule as MassRule,
     DutyCycle as DutyCycle,
+    MassRule as MassRule,
     Mechanism as Mechanism,
     OperatingPoint as OperatingPoint,
     Stage as Stage,

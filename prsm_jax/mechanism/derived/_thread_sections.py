@@ -1,4 +1,4 @@
-r"""Sections of threaded bodies from the profile of their threads, for the mass rule `thread_profile`.
+r"""Sections of threaded bodies from the profile of their threads, for masses by that profile.
 
 A plane across the axis cuts a helical thread in the same curve at every height, turned about the
 axis. With the radius $r(s)$ of the profile over a pitch $p$, the section inside this curve has the
