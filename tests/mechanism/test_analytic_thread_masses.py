@@ -31,7 +31,11 @@ THINNINGS = {"screw": 0.08e-3, "roller": 0.05e-3, "nut": 0.01e-3}
 
 def _stage(rule="thread_profile", roller_profile_radius=None):
     tooth = ThreadTooth(0.8e-3, ROOTS["screw"], ROOTS["roller"], ROOTS["nut"])
-    play = AxialPlay(**{f"{body}_tooth_thinning": value for body, value in THINNINGS.items()})
+    play = AxialPlay(
+        screw_tooth_thinning=THINNINGS["screw"],
+        roller_tooth_thinning=THINNINGS["roller"],
+        nut_tooth_thinning=THINNINGS["nut"],
+    )
     return stage(
         geometry=thread(
             screw_addendum=0.3e-3,

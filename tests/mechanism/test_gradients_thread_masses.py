@@ -1,6 +1,7 @@
 """Derivatives of masses by the rule `thread_profile` against central differences."""
 
 import dataclasses
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -12,7 +13,7 @@ import prsm_jax as prsm
 from prsm_jax.mechanism import body_inertia, body_mass
 
 
-def _numbers(stage):
+def _numbers(stage: Any) -> tuple[Any, ...]:
     """Lead, radius, angle, addenda, dedenda, thinnings, bore and wall of a stage."""
     thread, tooth, play = stage.thread, stage.load_sharing.tooth, stage.strength.play
     return (
