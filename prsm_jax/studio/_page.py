@@ -82,18 +82,7 @@ class Page:
             with ui.element("div").classes("buttons"):
                 self._undo = _button("Undo", lambda: self._do(self._session.undo))
                 self._redo = _button("Redo", lambda: self._do(self._session.redo))
-            # Not in a field, whose text has an undo of its own; on sliders and buttons, too.
-            ui.keyboard(self._key, ignore=["input", "select", "textarea"])
             self._error = _html("", "error").props('role=alert data-part="error"')
-
-    async def _key(self, event: Any) -> None:
-        """Ctrl+Z (on a Mac Command+Z) undoes a step; with Shift, or Ctrl+Y, redoes one."""
-        modifiers, key = event.modifiers, event.key.name.lower()
-        pressed = event.action.keydown and (modifiers.ctrl or modifiers.meta)
-        if not pressed or modifiers.alt or key not in ("z", "y"):
-            return
-        again = key == "y" or modifiers.shift
-        await self._do(self._session.redo if again else self._session.undo)
 
     def _control(self, one: StudioVariable) -> None:
         value = one.shown(self._session.design[one.name])
