@@ -11,4 +11,11 @@ from ._tables import (
 )
 from ._workbook import write_workbook as write_workbook
 from .fmu import write_fmu as write_fmu
-from .step import StepBody as StepBody, solid_volume as solid_volume, write_step as write_step
+from .step import (
+    BodyMassRule as BodyMassRule,
+    SolidMass as SolidMass,
+    StepBody as StepBody,
+    solid_mass as solid_mass,
+    solid_volume as solid_volume,
+    write_step as write_step,
+)

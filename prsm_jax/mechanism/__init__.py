@@ -10,6 +10,7 @@ from ._mechanism import (
     CURVATURE_CONVENTIONS as CURVATURE_CONVENTIONS,
     CurvatureConvention as CurvatureConvention,
     DutyCycle as DutyCycle,
+    MassRule as MassRule,
     Mechanism as Mechanism,
     OperatingPoint as OperatingPoint,
     Stage as Stage,
@@ -32,8 +33,11 @@ from ._standard_numbers import (
 )
 from ._type_checks import require_type as require_type
 from .derived import (
+    ThreadHeights as ThreadHeights,
+    ThreadSection as ThreadSection,
     body_inertia as body_inertia,
     body_mass as body_mass,
+    follows_profile as follows_profile,
     material_of as material_of,
     mean_roller_inertia as mean_roller_inertia,
     mean_roller_mass as mean_roller_mass,
@@ -43,6 +47,8 @@ from .derived import (
     screw_root_radius as screw_root_radius,
     screw_section as screw_section,
     stage_mass as stage_mass,
+    thread_heights as thread_heights,
+    thread_section as thread_section,
 )
 from .parameters import (
     DESIGN_VARIABLES as DESIGN_VARIABLES,

@@ -57,14 +57,15 @@ from .parts import (
 CurvatureConvention: TypeAlias = Literal["exact", "lisowski2014", "wu2022"]
 CURVATURE_CONVENTIONS: tuple[CurvatureConvention, ...] = get_args(CurvatureConvention)
 Sharing: TypeAlias = Literal["unstated", "equal"]
+MassRule: TypeAlias = Literal["nominal_cylinder", "thread_profile"]
 
 
 class Stage(Limited):
     """One planetary roller screw: threads, bodies, gear, stiffnesses taken as given, friction.
 
     Leaves (traced, differentiable): every number. Static: `type` (see `Family`), `roller_count`
-    (which a sweep may trace), `curvature`, `contact_method`, `carrier.count`, which rollers are
-    unequal or missing, and which optional parts are present.
+    (which a sweep may trace), `curvature`, `contact_method`, `mass_rule`, `carrier.count`, which
+    rollers are unequal or missing, and which optional parts are present.
 
     `roller_count` is the number of evenly spaced places; `present_roller_count` is the number of
     rollers in them. The load is shared equally by the rollers present, independent of their
@@ -123,6 +124,12 @@ class Stage(Limited):
     sharing: Sharing = choice(
         '"equal" states that all engaged threads share the load equally',
         default="unstated",
+        implied=True,
+    )
+    mass_rule: MassRule = choice(
+        "volume of screw, rollers and nut where masses are derived: that of nominal cylinders, or "
+        "of the thread profile",
+        default="nominal_cylinder",
         implied=True,
     )
     type: RollerScrewType = choice("type of roller screw", default="standard", implied=True)

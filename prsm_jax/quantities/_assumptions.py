@@ -124,6 +124,25 @@ def derives_dynamic_capacity(stage: Stage) -> bool:
     return data is not None and data.dynamic_capacity is None and data.material_factor is not None
 
 
+@assumption("masses")
+def masses(stage: Stage) -> str | None:
+    """For masses that are derived from dimensions."""
+    parts = (stage.screw, stage.roller, stage.nut)
+    if all(part.mass is not None for part in parts):
+        return None
+    if stage.mass_rule == "thread_profile":
+        return (
+            "Masses and moments of inertia of screw, rollers and nut that the file does not give "
+            "are those of their thread profiles over their whole lengths, with sharp edges and "
+            'without gear teeth (mass_rule = "thread_profile").'
+        )
+    return (
+        "Masses and moments of inertia of screw, rollers and nut that the file does not give are "
+        "those of cylinders of the nominal radii, without their threads (mass_rule = "
+        '"nominal_cylinder").'
+    )
+
+
 @assumption("equal_contacts")
 def equal_contacts(stage: Stage) -> str | None:
     """For single contacts, which always carry the mean thread load."""

@@ -1,5 +1,6 @@
 """Solids in STEP files, read by OpenCascade: volume, validity, and the thread at every height."""
 
+import dataclasses
 import importlib.util
 import math
 
@@ -8,9 +9,9 @@ import numpy as np
 import pytest
 
 import prsm_jax as prsm
-from prsm_jax.exchange import StepBody, solid_volume, write_step
+from prsm_jax.exchange import StepBody, solid_mass, solid_volume, write_step
 from prsm_jax.exchange.step._library import opencascade
-from prsm_jax.mechanism import body_mass
+from prsm_jax.mechanism import body_inertia, body_mass
 
 pytestmark = pytest.mark.skipif(
     importlib.util.find_spec("OCP") is None, reason="the extra `step` is not installed"
@@ -58,12 +59,11 @@ class _Profile:
         stage = mechanism.stages[0]
         thread, play = stage.thread, stage.strength.play
         self.pitch, self.angle = 1e3 * float(thread.pitch), float(thread.flank_angle)
-        crest, other = 1e3 * float(thread.screw_addendum), 1e3 * float(thread.roller_addendum)
-        clearance = 0.1 * 0.98 * self.pitch / 4 / math.tan(self.angle)
+        crest, roller = 1e3 * float(thread.screw_addendum), 1e3 * float(thread.roller_addendum)
         self.starts, self.sign, self.other = int(thread.starts), 1, 0.0
         self.length = 1e3 * LENGTHS[body]
         if body == "roller":
-            crest, other, self.starts = other, crest, 1
+            crest, self.starts = roller, 1
             self.radius = 1e3 * float(thread.roller_radius)
             self.arc = 1e3 * float(thread.profile_radius)
         elif body == "screw":
@@ -74,8 +74,8 @@ class _Profile:
         else:
             self.radius, self.sign = 1e3 * float(thread.nut_radius), -1
             self.other = self.radius + 1e3 * float(stage.nut.wall_thickness)
-            clearance = 0.0
-        self.crest, self.root = crest, other + clearance
+        self.crest = crest
+        self.root = 1e3 * float(getattr(stage.load_sharing.tooth, f"{body}_dedendum"))
         thinning = getattr(play, f"{body}_tooth_thinning", None)
         self.thinning = 0.0 if thinning is None else 1e3 * float(thinning)
         self.body = body
@@ -154,12 +154,46 @@ def test_the_thread_is_a_right_handed_helix_with_the_profile(body, solids, mecha
             assert (classify.State() == inside) == (step * profile.sign < 0)
 
 
-@pytest.mark.parametrize(("body", "most"), [("screw", 0.01), ("roller", 0.01), ("nut", 0.002)])
+@pytest.mark.parametrize(("body", "most"), [("screw", 0.01), ("roller", 0.015), ("nut", 0.002)])
 def test_the_mass_of_the_model_is_that_of_the_nominal_cylinder(body, most, mechanism):
-    """Grooves are deeper than teeth are high, so the solid is lighter by up to one percent."""
+    """Grooves are deeper than teeth are high, so the solid is lighter by about one percent."""
     volume = solid_volume(mechanism, body)
     rule = float(body_mass(mechanism.stages[0], body)) / STEEL
-    assert -most < volume / rule - 1 < 0
+    assert -most < volume / rule - 1 < -0.1 * most
+    compared = solid_mass(mechanism, body)
+    assert compared.difference == pytest.approx(volume / rule - 1, abs=1e-12)
+    assert compared.rule == "nominal_cylinder"
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_by_the_rule_of_the_profile_the_model_weighs_what_the_solid_does(body, solids, mechanism):
+    """The library integrates over faces to about 1e-6; the issue asks for 0.5 %."""
+    profile = dataclasses.replace(mechanism.stages[0], mass_rule="thread_profile")
+    found = _properties(solids[body])
+    assert 1e-9 * STEEL * found.Mass() == pytest.approx(float(body_mass(profile, body)), rel=2e-6)
+    # About the axis; that of a helix over part of a lead has its centre beside the axis.
+    gp = opencascade("gp")
+    axis = gp.gp_Ax1(gp.gp_Pnt(0.0, 0.0, 0.0), gp.gp_Dir(0.0, 0.0, 1.0))
+    inertia = 1e-15 * STEEL * found.MomentOfInertia(axis)
+    assert inertia == pytest.approx(float(body_inertia(profile, body)), rel=5e-6)
+    compared = solid_mass(dataclasses.replace(mechanism, stages=(profile,)), body)
+    assert compared.difference == pytest.approx(0.0, abs=1e-13)
+    assert compared.rule == "thread_profile"
+
+
+def test_what_is_not_known_is_not_compared(mechanism):
+    given = prsm.set_parameter(prsm.load("wu2022"), "roller.mass", 0.033)
+    stage = given.stages[0]
+    sized = dataclasses.replace(stage.roller, length=0.01)
+    given = dataclasses.replace(given, stages=(dataclasses.replace(stage, roller=sized),))
+    compared = solid_mass(given, "roller")
+    assert (compared.rule, compared.model_mass) == ("given", 0.033)
+    bare = dataclasses.replace(
+        mechanism, stages=(dataclasses.replace(mechanism.stages[0], material=None),)
+    )
+    compared = solid_mass(bare, "roller")
+    assert (compared.solid_mass, compared.model_mass, compared.difference) == (None, None, None)
+    assert compared.volume == solid_volume(mechanism, "roller")
 
 
 def test_what_cannot_be_made_is_refused_and_nothing_is_written(mechanism, tmp_path, capfd):

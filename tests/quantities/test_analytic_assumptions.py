@@ -34,7 +34,13 @@ REST_ON_SHARES = (
     "efficiency",
     "loss_spin",
 )
-REST_ON_NOTHING = ("mass", "roller_clearance", "buckling_load", "axial_backlash", "dn_value")
+REST_ON_NOTHING = (
+    "screw_radius",
+    "roller_clearance",
+    "buckling_load",
+    "axial_backlash",
+    "dn_value",
+)
 
 
 def _design(**changes):

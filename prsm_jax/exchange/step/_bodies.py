@@ -134,7 +134,7 @@ def _found(dims: DrawingDimensions, body: StepBody) -> ThreadedBody:
         length, hand = dims.screw_length, 1
     elif body == "nut":
         half = functools.partial(nut_half_thickness, dims)
-        heights = dims.screw_addendum, dims.roller_addendum
+        heights = dims.screw_addendum, dims.nut_dedendum
         wall = _needed(dims.nut_outer_radius, "nut.wall_thickness")
         radii, inward = (dims.nut_radius, wall), True
         length, hand = dims.nut_length, 1

@@ -16,8 +16,9 @@ from ._solid import solid_of
 def solid_volume(mechanism: Mechanism, body: StepBody, *, stage: int = 1) -> float:
     """Volume of the solid of a body, from its profile by Pappus' theorem [m³].
 
-    The mass of the model is that of the cylinder of the nominal radius; it differs where the teeth
-    above this radius have not the volume of the grooves below it.
+    The mass of the model is this volume times the density with `mass_rule = "thread_profile"`.
+    Otherwise it is that of the cylinder of the nominal radius, which differs where the teeth above
+    this radius have not the volume of the grooves below it (`solid_mass`).
 
     **Arguments:**
 

@@ -3,6 +3,7 @@
 from ._masses import (
     body_inertia as body_inertia,
     body_mass as body_mass,
+    follows_profile as follows_profile,
     material_of as material_of,
     mean_roller_inertia as mean_roller_inertia,
     mean_roller_mass as mean_roller_mass,
@@ -12,3 +13,9 @@ from ._masses import (
 )
 from ._possible import numbers_possible as numbers_possible
 from ._sections import screw_root_radius as screw_root_radius, screw_section as screw_section
+from ._thread_sections import (
+    ThreadHeights as ThreadHeights,
+    ThreadSection as ThreadSection,
+    thread_heights as thread_heights,
+    thread_section as thread_section,
+)

@@ -1,4 +1,7 @@
-"""Masses and inertias: given, or derived from dimensions as cylinders with bores.
+"""Masses and inertias: given, or derived from dimensions by the mass rule of the stage.
+
+By default bodies are cylinders with bores; with `mass_rule = "thread_profile"` screw, rollers and
+nut have the exact volume of their threads.
 
 All functions are pure in the numbers; which branch is taken depends on the data that are present.
 Each raises `MissingDataError` if neither a value nor the dimensions for it are given.
@@ -10,6 +13,7 @@ from ..._errors import MissingDataError
 from ...fields import Scalar
 from .._mechanism import Stage
 from ..parts import Carrier, Material, Nut, RingGear, Roller, Screw, total_factor
+from ._thread_sections import ThreadSection, thread_section
 
 
 def material_of(stage: Stage, body: str) -> Material:
@@ -62,8 +66,38 @@ def _annulus(stage: Stage, body: str, needed_for: str) -> tuple[Scalar, Scalar, 
     return inner, outer, length
 
 
+def follows_profile(stage: Stage, body: str) -> bool:
+    """Whether the derived mass of a body is that of its thread profile.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `body`: as in `body_mass`; ring gear and carriers have no thread.
+    """
+    return stage.mass_rule == "thread_profile" and body in ("screw", "roller", "nut")
+
+
+def _profile_section(stage: Stage, body: str, needed_for: str) -> tuple[ThreadSection, Scalar]:
+    """Section of the material of a threaded body, and its length [m]."""
+    inner, outer, length = _annulus(stage, body, needed_for)
+    thread = thread_section(stage, body)  # type: ignore[arg-type]
+    other = outer if body == "nut" else inner
+    cylinder = ThreadSection(jnp.pi * other**2, jnp.pi / 2 * other**4)
+    larger, smaller = (cylinder, thread) if body == "nut" else (thread, cylinder)
+    return (
+        ThreadSection(
+            larger.area - smaller.area,
+            larger.polar_moment - smaller.polar_moment,
+        ),
+        length,
+    )
+
+
 def body_mass(stage: Stage, body: str) -> Scalar:
     """Mass of one piece of a body [kg]: given, or π ρ l (R² − r²).
+
+    With `mass_rule = "thread_profile"`, a screw, roller or nut has ρ l A with the area A of its
+    section (`thread_section`).
 
     **Arguments:**
 
@@ -77,6 +111,9 @@ def body_mass(stage: Stage, body: str) -> Scalar:
         raise MissingDataError(f"the stage has no {body}; give [stage.{body}]")
     if part.mass is not None:
         return part.mass
+    if follows_profile(stage, body):
+        section, length = _profile_section(stage, body, "mass")
+        return _density(stage, body, "mass") * length * section.area
     inner, outer, length = _annulus(stage, body, "mass")
     return jnp.pi * _density(stage, body, "mass") * length * (outer**2 - inner**2)
 
@@ -84,7 +121,9 @@ def body_mass(stage: Stage, body: str) -> Scalar:
 def body_inertia(stage: Stage, body: str) -> Scalar:
     """Moment of inertia of one piece of a body about its own axis [kg·m²].
 
-    Given, or ½ m (R² + r²) of the cylinder with bore (the mass given or derived).
+    Given, or ½ m (R² + r²) of the cylinder with bore (the mass given or derived). With
+    `mass_rule = "thread_profile"`, a screw, roller or nut has m I / A with area and polar second
+    moment of its section (`thread_section`).
 
     **Arguments:**
 
@@ -98,6 +137,9 @@ def body_inertia(stage: Stage, body: str) -> Scalar:
         raise MissingDataError(f"the stage has no {body}; give [stage.{body}]")
     if part.inertia is not None:
         return part.inertia
+    if follows_profile(stage, body):
+        section, _ = _profile_section(stage, body, "inertia")
+        return body_mass(stage, body) * section.polar_moment / section.area
     inner, outer, _ = _annulus(stage, body, "inertia")
     return body_mass(stage, body) * (outer**2 + inner**2) / 2
 

@@ -13,7 +13,7 @@ def _per_stage(analysis: Analysis, function):
     return jnp.stack([function(stage) for stage in analysis.mechanism.stages])
 
 
-@quantity("mass", "m", "kg", "mass of all bodies of all stages")
+@quantity("mass", "m", "kg", "mass of all bodies of all stages", assumes=("masses",))
 def mass(analysis: Analysis):
     return jnp.sum(_per_stage(analysis, stage_mass))
 
@@ -24,6 +24,7 @@ def mass(analysis: Analysis):
     "kg",
     "mass of what moves along the axis: nuts (the screw of an inverted roller screw), rollers, "
     "carriers and ring gears of all stages",
+    assumes=("masses",),
 )
 def nut_unit_mass(analysis: Analysis):
     return jnp.sum(_per_stage(analysis, stage_nut_unit_mass))

@@ -80,7 +80,7 @@ def _break_line(x: float, top: float, bottom: float):
 
 def _nut(sheet: Canvas, dims: DrawingDimensions, threaded: float) -> None:
     half, outer = dims.drawn_nut_length / 2, dims.drawn_outer_radius
-    plain = dims.nut_radius + dims.roller_addendum
+    plain = dims.nut_radius + dims.nut_dedendum
     reach = half if dims.family.carrying == "screw" else min(threaded, half)
     centres = tooth_centres(dims, -reach, reach, shifted=not dims.shifted_at_nut)
     along, radius = nut_profile(dims, centres + nut_shift(dims))

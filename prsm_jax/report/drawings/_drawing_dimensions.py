@@ -4,10 +4,8 @@ import math
 from dataclasses import dataclass
 
 from ...geometry import ThreadContact, mesh
-from ...mechanism import FAMILIES, Family, Mechanism, Stage, stage_at
+from ...mechanism import FAMILIES, Family, Mechanism, Stage, stage_at, thread_heights
 
-#: Addendum of a thread where it is not given, as a share of the height of a pointed tooth.
-_USUAL_ADDENDUM = 0.7
 #: A wall that is not given is drawn this thick, in roller radii, and broken off.
 _BROKEN_WALL = 1.0
 
@@ -37,11 +35,13 @@ class DrawingDimensions:
     roller_radius: float
     nut_radius: float
     centre_distance: float
-    #: Height of screw, roller and nut threads over their nominal radius, and depth under it.
+    #: Height of the threads over their nominal radius (the nut's is that of the screw), and depth
+    #: under it.
     screw_addendum: float
     roller_addendum: float
     screw_dedendum: float
     roller_dedendum: float
+    nut_dedendum: float
     #: Half a pitch minus the thickness of a tooth at its nominal radius.
     screw_thinning: float
     roller_thinning: float
@@ -110,19 +110,6 @@ def _millimetres(value) -> float | None:
     return None if value is None else 1e3 * float(value)
 
 
-def _heights(stage: Stage) -> tuple[float, float, float, float]:
-    """Addenda and dedenda of screw and roller [mm], up to those of a pointed tooth."""
-    thread = stage.thread
-    pointed = 0.98e3 * float(thread.pitch) / 4 / math.tan(float(thread.flank_angle))
-    usual = _USUAL_ADDENDUM * pointed
-    screw, roller = (
-        min(usual if value is None else 1e3 * float(value), pointed)
-        for value in (thread.screw_addendum, thread.roller_addendum)
-    )
-    clearance = 0.1 * pointed
-    return screw, roller, min(roller + clearance, pointed), min(screw + clearance, pointed)
-
-
 def _thinnings(stage: Stage) -> tuple[float, float, float]:
     """Thinning of the teeth of screw, roller and nut [mm]; 0 where it is not given."""
     play = None if stage.strength is None else stage.strength.play
@@ -169,7 +156,7 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
         )
 
     nut_radius, centre = 1e3 * float(thread.nut_radius), 1e3 * float(thread.centre_distance)
-    screw_addendum, roller_addendum, screw_dedendum, roller_dedendum = _heights(chosen)
+    heights = {name: 1e3 * float(value) for name, value in thread_heights(chosen)._asdict().items()}
     screw_thinning, roller_thinning, nut_thinning = _thinnings(chosen)
     wall = _millimetres(chosen.nut.wall_thickness)
     rim = None if ring is None else _millimetres(ring.wall_thickness)
@@ -188,10 +175,7 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
         roller_radius=1e3 * float(thread.roller_radius),
         nut_radius=nut_radius,
         centre_distance=centre,
-        screw_addendum=screw_addendum,
-        roller_addendum=roller_addendum,
-        screw_dedendum=screw_dedendum,
-        roller_dedendum=roller_dedendum,
+        **heights,
         screw_thinning=screw_thinning,
         roller_thinning=roller_thinning,
         nut_thinning=nut_thinning,

@@ -65,7 +65,7 @@ def roller_profile(dims: DrawingDimensions, centres, side: int):
 def nut_profile(dims: DrawingDimensions, centres):
     """Outline of the nut's thread, which points inwards: axial position and radius [mm]."""
     half = functools.partial(nut_half_thickness, dims)
-    along, height = thread_profile(half, dims.screw_addendum, dims.roller_addendum, centres)
+    along, height = thread_profile(half, dims.screw_addendum, dims.nut_dedendum, centres)
     return along, dims.nut_radius - height
 
 

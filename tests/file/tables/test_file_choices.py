@@ -49,6 +49,7 @@ def test_a_wrong_convention_is_one_line(setting, message):
 WORDS = [
     (lambda word: stage(curvature=word), Stage, "curvature"),
     (lambda word: stage(sharing=word), Stage, "sharing"),
+    (lambda word: stage(mass_rule=word), Stage, "mass_rule"),
     (lambda word: LoadSharing(3, word), LoadSharing, "mounting"),
     (lambda word: ScrewShaft(word), ScrewShaft, "end_conditions"),
     (lambda word: AxialPlay(arrangement=word), AxialPlay, "arrangement"),

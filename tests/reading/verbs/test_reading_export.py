@@ -54,8 +54,38 @@ def test_export_of_solids(run):
     ]
     found, printed = run("export", "actuator", "--as", "step", *lengths)
     names = [f"out/export/actuator-{body}.step" for body in ("screw", "roller", "nut")]
-    assert found == {"files": {"step": names}}
-    assert [line for (line,) in printed.lines] == names
+    assert found["files"] == {"step": names}
+    assert [line for (line,) in printed.lines[:3]] == names
+    rows = []
+    assert len(found["solids"]) == 3
+    radii = {"screw": (4e-3, 12e-3), "roller": (0.0, 4e-3), "nut": (20e-3, 30e-3)}
+    for one, (body, (inner, outer)) in zip(found["solids"], radii.items(), strict=True):
+        volume, mass = one["volume_m3"], math.pi * 7850 * 0.005 * (outer**2 - inner**2)
+        difference = 7850 * volume / mass - 1
+        assert 1e-3 < -difference < 0.015
+        assert one == {
+            "body": body,
+            "stage": 1,
+            "volume_m3": volume,
+            "solid_mass_kg": pytest.approx(7850 * volume, rel=1e-12),
+            "model_mass_kg": pytest.approx(mass, rel=1e-12),
+            "difference": pytest.approx(difference, abs=1e-12),
+            "mass_rule": "nominal_cylinder",
+        }
+        cells = ((volume, "m³"), (7850 * volume, "kg"), (mass, "kg"), (difference, "1"))
+        rows.append((f"{body} of stage 1", *cells, "nominal cylinder"))
+    printed.row("Masses of the solids and of the model")
+    printed.table(
+        (
+            "body",
+            "volume [mm³]",
+            "solid's mass [kg]",
+            "model's mass [kg]",
+            "difference [%]",
+            "model's mass is",
+        ),
+        rows,
+    )
     assert all(Path(name).read_text().startswith("ISO-10303-21;") for name in names)
 
 

@@ -15,12 +15,13 @@ from ....process import make_folder
 from ....quantities import catalogue
 from ....results import Result
 from ....scenario import depends_on_motion
+from ....text import TextTable
 from ..._app import app
 from ..._common import Common, emit, words_of
 from ..._progress import doing, expect_programs
 
 if TYPE_CHECKING:
-    from ....exchange import StepBody
+    from ....exchange import SolidMass, StepBody
 
 _DEFAULT = Common()
 _FOLDER = "out/export"
@@ -34,6 +35,8 @@ class _Wanted:
     file: str
     folder: Path
     result: Literal["transient", "steady"]
+    #: Filled by the format `step`.
+    solids: "list[SolidMass]" = dataclasses.field(default_factory=list)
 
     @functools.cached_property
     def computed(self) -> Result:
@@ -60,7 +63,7 @@ def _dxf(wanted: _Wanted) -> list[Path]:
 
 
 def _step(wanted: _Wanted) -> list[Path]:
-    from ....exchange import write_step
+    from ....exchange import solid_mass, write_step
 
     bodies: "tuple[StepBody, ...]" = ("screw", "roller", "nut")
     written, many = [], len(wanted.mechanism.stages) > 1
@@ -73,6 +76,7 @@ def _step(wanted: _Wanted) -> list[Path]:
             name = f"-stage-{number}-{body}.step" if many else f"-{body}.step"
             doing(f"making the {body}")
             written.append(write_step(wanted.path(name), wanted.mechanism, body, stage=number))
+            wanted.solids.append(solid_mass(wanted.mechanism, body, stage=number))
     if not written:
         raise PrsmError(
             f"{wanted.file}: has no length of screw, roller or nut, so there is no solid; give "
@@ -157,6 +161,45 @@ def _formats(text: str) -> list[str]:
     return words
 
 
+def _masses_as_text(solids: "list[SolidMass]") -> str:
+    """Volumes and masses of solids beside the masses of the model."""
+    rows = [
+        (
+            f"{solid.body} of stage {solid.stage}",
+            1e9 * solid.volume,
+            solid.solid_mass,
+            solid.model_mass,
+            None if solid.difference is None else round(100 * solid.difference, 6),
+            solid.rule.replace("_", " "),
+        )
+        for solid in solids
+    ]
+    columns = (
+        "body",
+        "volume [mm³]",
+        "solid's mass [kg]",
+        "model's mass [kg]",
+        "difference [%]",
+        "model's mass is",
+    )
+    return TextTable("Masses of the solids and of the model", columns, rows).text()
+
+
+def _masses_as_data(solids: "list[SolidMass]") -> list[dict[str, object]]:
+    return [
+        {
+            "body": solid.body,
+            "stage": solid.stage,
+            "volume_m3": solid.volume,
+            "solid_mass_kg": solid.solid_mass,
+            "model_mass_kg": solid.model_mass,
+            "difference": solid.difference,
+            "mass_rule": solid.rule,
+        }
+        for solid in solids
+    ]
+
+
 @app.command
 def export(
     file: str,
@@ -192,6 +235,7 @@ def export(
 
     With --scenario or --duty-cycle, recorded data take the place of those of the file; `--as toml`
     keeps them. Files are written to --out (default out/export) and named after the mechanism's.
+    With `--as step`, the masses of the solids are compared with those of the model.
     """
     formats = _formats(as_)
     common.check_targets(_FOLDER)
@@ -207,5 +251,10 @@ def export(
     wanted = _Wanted(mechanism, file, folder, result)
     written = {one: _FORMATS[one](wanted) for one in formats}
     listed = [path for paths in written.values() for path in paths]
-    emit(common, {"files": written}, lambda: "\n".join(map(str, listed)))
+    results: dict[str, object] = {"files": written}
+    lines = "\n".join(map(str, listed))
+    if wanted.solids:
+        results["solids"] = _masses_as_data(wanted.solids)
+        lines += "\n\n" + _masses_as_text(wanted.solids).rstrip()
+    emit(common, results, lambda: lines)
     return 0

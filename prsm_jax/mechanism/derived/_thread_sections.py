@@ -1,0 +1,153 @@
+r"""Sections of threaded bodies from the profile of their threads, for masses by that profile.
+
+A plane across the axis cuts a helical thread in the same curve at every height, turned about the
+axis. With the radius $r(s)$ of the profile over a pitch $p$, the section inside this curve has the
+area and the polar second moment
+
+$$A = \frac{\pi}{p}\int_0^p r^2\,\mathrm{d}s, \qquad
+I = \frac{\pi}{2p}\int_0^p r^4\,\mathrm{d}s,$$
+
+those of the same profile turned about the axis (theorem of Pappus and Guldin), so volume and moment
+of inertia are exact over any length. By parts, with half the thickness $h(y)$ of a tooth at the
+height $y$ above the nominal radius, $r = R + \sigma y$, addendum $a$ and dedendum $d$,
+
+$$\int_0^p r^k\,\mathrm{d}s
+= p\,(R - \sigma d)^k + 2 k \sigma \int_{-d}^{a} h\,r^{k-1}\,\mathrm{d}y,$$
+
+which needs no derivatives of the profile. $\sigma$ is +1, and −1 for a nut.
+"""
+
+from typing import Literal, NamedTuple, TypeAlias
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..._errors import MissingDataError
+from ...fields import Scalar
+from ...programs import physics
+from .._mechanism import Stage
+
+ThreadedPart: TypeAlias = Literal["screw", "roller", "nut"]
+
+#: Addendum of a thread where it is not given, and clearance between crest and root where no
+#: dedendum is given, as shares of the height of a pointed tooth; no tooth is quite pointed.
+_USUAL_ADDENDUM, _CLEARANCE, _HIGHEST = 0.7, 0.1, 0.98
+#: Gauss–Legendre rule over a flank: exact for straight flanks; for arcs, whose radius is several
+#: heights, it errs by rounding.
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+class ThreadHeights(NamedTuple):
+    """Heights of the crests above the nominal radii and depths of the roots below them [m]."""
+
+    screw_addendum: Scalar
+    roller_addendum: Scalar
+    screw_dedendum: Scalar
+    roller_dedendum: Scalar
+    nut_dedendum: Scalar
+
+    def of(self, body: ThreadedPart) -> tuple[Scalar, Scalar]:
+        """Addendum and dedendum of a body; the thread of the nut is as high as the screw's [m]."""
+        addendum = self.roller_addendum if body == "roller" else self.screw_addendum
+        return addendum, getattr(self, f"{body}_dedendum")
+
+
+def thread_heights(stage: Stage) -> ThreadHeights:
+    """Heights and depths of the threads of a stage, as given or as usual [m].
+
+    Addenda: given, or 0.7 of the height of a pointed tooth. Dedenda: those of `load_sharing.tooth`
+    and, for the screw, of `strength.shaft.root_radius`; otherwise the addendum of the thread that
+    meshes there and a clearance of 0.1 of that height. None is above 0.98 of it.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    """
+    thread = stage.thread
+    pointed = _HIGHEST * thread.pitch / (4 * jnp.tan(thread.flank_angle))
+    screw, roller = (
+        jnp.minimum(_USUAL_ADDENDUM * pointed if given is None else given, pointed)
+        for given in (thread.screw_addendum, thread.roller_addendum)
+    )
+    depths: dict[str, Scalar] = {
+        "screw": roller + _CLEARANCE * pointed,
+        "roller": screw + _CLEARANCE * pointed,
+        "nut": roller + _CLEARANCE * pointed,
+    }
+    if stage.load_sharing is not None and stage.load_sharing.tooth is not None:
+        tooth = stage.load_sharing.tooth
+        depths = {body: getattr(tooth, f"{body}_dedendum") for body in depths}
+    shaft = None if stage.strength is None else stage.strength.shaft
+    if shaft is not None and shaft.root_radius is not None:
+        depths["screw"] = thread.screw_radius - shaft.root_radius
+    return ThreadHeights(screw, roller, *(jnp.minimum(depths[body], pointed) for body in depths))
+
+
+class ThreadSection(NamedTuple):
+    """The section inside the thread of a body (outside it, for a nut up to a radius of 0)."""
+
+    #: A [m²].
+    area: Scalar
+    #: Polar second moment of area I [m⁴].
+    polar_moment: Scalar
+
+
+def _half_thickness(
+    stage: Stage, body: ThreadedPart, height: Float[Array, "*batch nodes"]
+) -> Float[Array, "*batch nodes"]:
+    """Half the axial thickness of a tooth at heights above the nominal radius [m]."""
+    thread = stage.thread
+    play = None if stage.strength is None else stage.strength.play
+    thinning = None if play is None else getattr(play, f"{body}_tooth_thinning")
+    nominal = thread.pitch / 4
+    if thinning is not None:
+        nominal = nominal - thinning / 2
+    angle = thread.flank_angle[..., None]
+    if body == "roller":
+        # √(ρ² − (y + ρ sin α)²) − ρ cos α without the difference of nearly equal numbers.
+        radius = thread.profile_radius[..., None]
+        centre, level = radius * jnp.sin(angle), radius * jnp.cos(angle)
+        square = level**2 - height * (height + 2 * centre)
+        arc = jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
+        change = -height * (height + 2 * centre) / (arc + level)
+    else:
+        change = -height * jnp.tan(angle)
+    # A pointed tooth ends below its crest, and teeth that touch have no root between them.
+    return jnp.clip(nominal[..., None] + change, 0.0, thread.pitch[..., None] / 2)
+
+
+@physics("thread_section")
+def thread_section(stage: Stage, body: ThreadedPart) -> ThreadSection:
+    """Area and polar second moment of the section within the thread of a body [m², m⁴].
+
+    Edges are sharp, without roundings and chamfers. Of a nut it is the section of the opening.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `body`: `"screw"`, `"roller"` or `"nut"`.
+
+    **Raises:** `MissingDataError` without the addendum of the body.
+    """
+    thread = stage.thread
+    needed = "roller_addendum" if body == "roller" else "screw_addendum"
+    if getattr(thread, needed) is None:
+        raise MissingDataError(
+            f'mass_rule = "thread_profile" needs the height of the thread of the {body}; give '
+            f'stage.thread.{needed}, or choose mass_rule = "nominal_cylinder"'
+        )
+    radius: Scalar = getattr(thread, f"{body}_radius")
+    outward = -1.0 if body == "nut" else 1.0
+    addendum, dedendum = thread_heights(stage).of(body)
+    middle, reach = (addendum - dedendum) / 2, (addendum + dedendum) / 2
+    shape = (1,) * middle.ndim + (_NODES.size,)
+    nodes = jnp.asarray(_NODES, middle.dtype).reshape(shape)
+    weights = jnp.asarray(_WEIGHTS, middle.dtype).reshape(shape)
+    height = middle[..., None] + reach[..., None] * nodes
+    flank = reach[..., None] * weights * _half_thickness(stage, body, height)
+    at = radius[..., None] + outward * height
+    root = radius - outward * dedendum
+    area = root**2 + 4 * outward / thread.pitch * jnp.sum(flank * at, axis=-1)
+    fourth = root**4 + 8 * outward / thread.pitch * jnp.sum(flank * at**3, axis=-1)
+    return ThreadSection(jnp.pi * area, jnp.pi / 2 * fourth)
