@@ -94,9 +94,13 @@ gc.set_threshold(100_000, 20, 50)
 #: that the compiler aborts.
 _MAPPED_REGIONS = 25_000
 #: Compiled programs fill a worker's memory long before; two workers share a machine [bytes].
-#: Between modules, and between the tests of one: 0.7 GiB are taken before the first test, and the
-#: largest test takes 1.5 GiB more.
-_MEMORY, _MEMORY_INSIDE = 1 << 30, (5 << 30) // 4
+#: Between modules, and between the tests of one: 0.7 GiB are taken before the first test, and a
+#: test takes up to 1 GiB more.
+_MEMORY, _MEMORY_INSIDE = (5 << 30) // 4, (3 << 30) // 2
+#: What is left after dropping may be above these: then dropping again frees nothing before so much
+#: has come on top, and every test would compile its programs anew [bytes].
+_GROWTH = 1 << 28
+_left_after_dropping = 0
 #: No worker may ever have taken more [bytes], or the session has failed, and the summary says so in
 #: red; only that with PRSM_TEST_MEMORY=told in the environment.
 _MOST_MEMORY = 3 << 30
@@ -130,14 +134,21 @@ def _few_compiled_programs():
     regions = Path("/proc/self/maps")
     if not regions.exists():
         return
-    if regions.read_bytes().count(b"\n") > _MAPPED_REGIONS or _pages() > _MEMORY:
+    if regions.read_bytes().count(b"\n") > _MAPPED_REGIONS or _takes_more_than(_MEMORY):
         _drop_compiled_programs()
 
 
+def _takes_more_than(memory: int) -> bool:
+    return _pages() > max(memory, _left_after_dropping + _GROWTH)
+
+
 def _drop_compiled_programs() -> None:
+    global _left_after_dropping
     jax.clear_caches()
     gc.collect()
     _trim()
+    if Path("/proc/self/statm").exists():
+        _left_after_dropping = _pages()
 
 
 @pytest.fixture
@@ -148,7 +159,7 @@ def memory_for_large_programs():
 
 def pytest_runtest_teardown():
     """Drop them inside a module only where it has to be: its programs are compiled again."""
-    if Path("/proc/self/statm").exists() and _pages() > _MEMORY_INSIDE:
+    if Path("/proc/self/statm").exists() and _takes_more_than(_MEMORY_INSIDE):
         _drop_compiled_programs()
 
 

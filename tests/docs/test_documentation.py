@@ -38,6 +38,7 @@ def _run(page, language, capsys):
     return everything
 
 
+@pytest.mark.usefixtures("memory_for_large_programs")
 @pytest.mark.parametrize("page", _pages_with("python"))
 def test_python_blocks_run(page, capsys, monkeypatch, tmp_path):
     # One page is one session: later blocks use what earlier ones made. Files go to an empty folder.
@@ -55,6 +56,7 @@ def test_python_blocks_run(page, capsys, monkeypatch, tmp_path):
     assert printed
 
 
+@pytest.mark.usefixtures("memory_for_large_programs")
 @pytest.mark.parametrize("page", _pages_with("console", printed=True))
 def test_commands_print_what_the_page_shows(page, capsys, monkeypatch, tmp_path):
     shared = cache_folder()

@@ -94,6 +94,11 @@ MADE = {
         lambda m: prsm.response.axis_compliance(m, jnp.asarray([10.0, 20.0])),
         "AxisCompliance",
     ),
+    "spatial_damping": (
+        "actuator_axis",
+        prsm.response.spatial_damping,
+        "SpatialDamping SpatialModes",
+    ),
     "mesh_response": (
         "wu2022",
         lambda m: prsm.response.mesh_response(m, jnp.asarray(_RPM)),

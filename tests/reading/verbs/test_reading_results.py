@@ -244,7 +244,8 @@ _UNITS = {
         "stiffness stiffness_tangent tangent_stiffness"
     ),
     "1": (
-        "at_pole carrier_ratio converged edge_ratio efficiency error_estimate iterations "
+        "at_pole carrier_ratio converged edge_ratio efficiency error_estimate friction_coefficient "
+        "iterations "
         "loaded_share lobes normal_per_axial order parabola_fit power_balance_residual rejected "
         "residual revolutions sliding solved steps"
     ),
@@ -256,7 +257,8 @@ _UNITS = {
     ),
     "s": "duration time time_constant",
     "rad/s": "carrier_speed screw_speed speed",
-    "W": "input_power load_power losses output_power",
+    "W": "input_power load_power losses output_power power",
+    "N·s/m": "damping_across_slip damping_along_slip",
     "m/s": "slip_speed",
     "rad": "contact_angle_position nut_lean roller_angle roller_angle_position turned_angle",
     "m²": "area",
