@@ -48,12 +48,12 @@ class SpatialDamping(DesignResult):
 
     modes: SpatialModes
     creep: CreepFriction
-    #: ζ = −Re λ/|λ| of each mode of `modes.groups`; negative where friction feeds the mode, 0 for a
-    #: rigid motion. A root that repeats within a group has the mean ratio of first order.
+    #: `ζ = −Re λ/|λ|` of each mode of `modes.groups`; negative where friction feeds the mode, 0 for
+    #: a rigid motion. A root that repeats within a group has the mean ratio of first order.
     ratios: tuple[Float[Array, "..."], ...]
     #: Of first order in the damping, φᴴ C φ/2ω: the limit at light damping.
     first_order_ratios: tuple[Float[Array, "..."], ...]
-    #: |λ|/2π of the damped modes [Hz]: strong damping ties rollers to the screw across the slip.
+    #: `|λ|/2π` of the damped modes [Hz]: strong damping ties rollers to the screw across the slip.
     damped_frequencies: tuple[Float[Array, "..."], ...]
     #: 0 when all is well; see `result`.
     code: Int[Array, ""]
