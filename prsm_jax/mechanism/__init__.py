@@ -37,7 +37,6 @@ from .derived import (
     ThreadSection as ThreadSection,
     body_inertia as body_inertia,
     body_mass as body_mass,
-    follows_profile as follows_profile,
     material_of as material_of,
     mean_roller_inertia as mean_roller_inertia,
     mean_roller_mass as mean_roller_mass,

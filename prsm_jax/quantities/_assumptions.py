@@ -134,7 +134,8 @@ def masses(stage: Stage) -> str | None:
         return (
             "Masses and moments of inertia of screw, rollers and nut that the file does not give "
             "are those of their thread profiles over their whole lengths, with sharp edges and "
-            'without gear teeth (mass_rule = "thread_profile").'
+            "without gear teeth; a root that is not given clears the crest of the other thread by "
+            'a tenth of the height of a tooth (mass_rule = "thread_profile").'
         )
     return (
         "Masses and moments of inertia of screw, rollers and nut that the file does not give are "

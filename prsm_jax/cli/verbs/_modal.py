@@ -262,13 +262,11 @@ def _loci_table(loci: FrequencyLoci, first: str | None, last: str | None) -> str
 
 
 def _damping(mechanism: Mechanism, stage: int) -> SpatialDamping | None:
-    """Damping by creep friction at the operating point, where speed and load are given."""
-    if mechanism.operating_point is None:
-        return None
+    """Damping by creep friction, where speed, load and friction of the threads are given."""
     try:
-        return spatial_damping(mechanism, stage=stage)
+        return spatial_damping(mechanism, stage=stage, shapes=True)
     except MissingDataError:
-        # Losses need data of their own, which frequencies do not.
+        # Frequencies need less.
         return None
 
 
@@ -277,11 +275,13 @@ class Spatial:
 
     def __init__(self, mechanism: Mechanism, stage: int):
         self.mechanism, self.stage = mechanism, stage
-        self.modes: SpatialModes = run_spatial_modal(mechanism, stage=stage, shapes=True)
+        self.damping = _damping(mechanism, stage)
+        self.modes: SpatialModes = (
+            run_spatial_modal(mechanism, stage=stage, shapes=True)
+            if self.damping is None
+            else self.damping.modes
+        )
         self.elastic = self.modes.elastic_modes()
-        self.damping: SpatialDamping | None = None
-        if mechanism.stages[stage - 1].thread_law is not None:
-            self.damping = _damping(mechanism, stage)
         self.held: SpatialModes | None = None
         axis = mechanism.axis
         if axis is not None and axis.motor is not None:

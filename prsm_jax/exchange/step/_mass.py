@@ -4,7 +4,7 @@ import dataclasses
 from typing import Literal, TypeAlias
 
 from ..._errors import MissingDataError
-from ...mechanism import Mechanism, body_mass, follows_profile, material_of, stage_at
+from ...mechanism import Mechanism, body_mass, material_of, stage_at
 from ._bodies import StepBody, threaded_body
 
 BodyMassRule: TypeAlias = Literal["given", "nominal_cylinder", "thread_profile"]
@@ -47,11 +47,9 @@ def solid_mass(mechanism: Mechanism, body: StepBody, *, stage: int = 1) -> Solid
     """
     volume = 1e-9 * threaded_body(mechanism, body, stage).volume
     chosen = stage_at(mechanism, stage)
-    rule: BodyMassRule = "nominal_cylinder"
+    rule: BodyMassRule = chosen.mass_rule
     if getattr(chosen, body).mass is not None:
         rule = "given"
-    elif follows_profile(chosen, body):
-        rule = "thread_profile"
     try:
         density = material_of(chosen, body).density
     except MissingDataError:

@@ -3,7 +3,6 @@
 from ._masses import (
     body_inertia as body_inertia,
     body_mass as body_mass,
-    follows_profile as follows_profile,
     material_of as material_of,
     mean_roller_inertia as mean_roller_inertia,
     mean_roller_mass as mean_roller_mass,

@@ -66,14 +66,8 @@ def _annulus(stage: Stage, body: str, needed_for: str) -> tuple[Scalar, Scalar, 
     return inner, outer, length
 
 
-def follows_profile(stage: Stage, body: str) -> bool:
-    """Whether the derived mass of a body is that of its thread profile.
-
-    **Arguments:**
-
-    - `stage`: the stage.
-    - `body`: as in `body_mass`; ring gear and carriers have no thread.
-    """
+def _follows_profile(stage: Stage, body: str) -> bool:
+    """Whether a derived mass is that of a thread profile; ring gear and carriers have no thread."""
     return stage.mass_rule == "thread_profile" and body in ("screw", "roller", "nut")
 
 
@@ -111,7 +105,7 @@ def body_mass(stage: Stage, body: str) -> Scalar:
         raise MissingDataError(f"the stage has no {body}; give [stage.{body}]")
     if part.mass is not None:
         return part.mass
-    if follows_profile(stage, body):
+    if _follows_profile(stage, body):
         section, length = _profile_section(stage, body, "mass")
         return _density(stage, body, "mass") * length * section.area
     inner, outer, length = _annulus(stage, body, "mass")
@@ -137,7 +131,7 @@ def body_inertia(stage: Stage, body: str) -> Scalar:
         raise MissingDataError(f"the stage has no {body}; give [stage.{body}]")
     if part.inertia is not None:
         return part.inertia
-    if follows_profile(stage, body):
+    if _follows_profile(stage, body):
         section, _ = _profile_section(stage, body, "inertia")
         return body_mass(stage, body) * section.polar_moment / section.area
     inner, outer, _ = _annulus(stage, body, "inertia")

@@ -30,9 +30,11 @@ from .._mechanism import Stage
 
 ThreadedPart: TypeAlias = Literal["screw", "roller", "nut"]
 
-#: Addendum of a thread where it is not given, and clearance between crest and root where no
-#: dedendum is given, as shares of the height of a pointed tooth; no tooth is quite pointed.
-_USUAL_ADDENDUM, _CLEARANCE, _HIGHEST = 0.7, 0.1, 0.98
+#: The greatest height of a tooth, as a share of that of a pointed one.
+_HIGHEST = 0.98
+#: Shares of the greatest height: the addendum of a thread where it is not given, and the clearance
+#: between crest and root where no dedendum is given.
+_USUAL_ADDENDUM, _CLEARANCE = 0.7, 0.1
 #: Gauss–Legendre rule over a flank: exact for straight flanks; for arcs, whose radius is several
 #: heights, it errs by rounding.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -56,24 +58,25 @@ class ThreadHeights(NamedTuple):
 def thread_heights(stage: Stage) -> ThreadHeights:
     """Heights and depths of the threads of a stage, as given or as usual [m].
 
-    Addenda: given, or 0.7 of the height of a pointed tooth. Dedenda: those of `load_sharing.tooth`
-    and, for the screw, of `strength.shaft.root_radius`; otherwise the addendum of the thread that
-    meshes there and a clearance of 0.1 of that height. None is above 0.98 of it.
+    The greatest height is 0.98 of that of a pointed tooth. Addenda: given, or 0.7 of the greatest
+    height. Dedenda: those of `load_sharing.tooth` and, for the screw, of
+    `strength.shaft.root_radius`; otherwise the addendum of the thread that meshes there and a
+    clearance of 0.1 of the greatest height. Larger values are cut to the greatest height.
 
     **Arguments:**
 
     - `stage`: the stage.
     """
     thread = stage.thread
-    pointed = _HIGHEST * thread.pitch / (4 * jnp.tan(thread.flank_angle))
+    greatest = _HIGHEST * thread.pitch / (4 * jnp.tan(thread.flank_angle))
     screw, roller = (
-        jnp.minimum(_USUAL_ADDENDUM * pointed if given is None else given, pointed)
+        jnp.minimum(_USUAL_ADDENDUM * greatest if given is None else given, greatest)
         for given in (thread.screw_addendum, thread.roller_addendum)
     )
     depths: dict[str, Scalar] = {
-        "screw": roller + _CLEARANCE * pointed,
-        "roller": screw + _CLEARANCE * pointed,
-        "nut": roller + _CLEARANCE * pointed,
+        "screw": roller + _CLEARANCE * greatest,
+        "roller": screw + _CLEARANCE * greatest,
+        "nut": roller + _CLEARANCE * greatest,
     }
     if stage.load_sharing is not None and stage.load_sharing.tooth is not None:
         tooth = stage.load_sharing.tooth
@@ -81,7 +84,7 @@ def thread_heights(stage: Stage) -> ThreadHeights:
     shaft = None if stage.strength is None else stage.strength.shaft
     if shaft is not None and shaft.root_radius is not None:
         depths["screw"] = thread.screw_radius - shaft.root_radius
-    return ThreadHeights(screw, roller, *(jnp.minimum(depths[body], pointed) for body in depths))
+    return ThreadHeights(screw, roller, *(jnp.minimum(depths[body], greatest) for body in depths))
 
 
 class ThreadSection(NamedTuple):
