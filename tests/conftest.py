@@ -19,8 +19,10 @@ with unittest.mock.patch("random.getrandbits", random.Random(0).getrandbits):
 
 import jaxtyping
 
-# Before the package is imported: every annotated function checks the shapes that it is given.
-_hook = jaxtyping.install_import_hook("prsm_jax", "beartype.beartype")
+from tests import shape_checks
+
+# Before the package is imported.
+shape_checks.install()
 
 # Half of the run is the compiler, of programs that mostly run once: its older code generator for
 # fused loops takes half the time, and code that is not optimised three quarters. Golden numbers are
