@@ -10,6 +10,8 @@ import jaxtyping
 from beartype import roar
 from jaxtyping import _import_hook
 
+checker_of_types = beartype.beartype
+
 
 def checked(function: Callable) -> Callable:
     """A function that checks what it takes and gives.
@@ -59,10 +61,24 @@ class _OncePerFunction(_import_hook.JaxtypingTransformer):
     """
 
     def visit_FunctionDef(self, node: ast.FunctionDef):
-        if not self._inside_a_function():
-            name = "__import__('tests.shape_checks').shape_checks.checked"
-            decorator = ast.parse(name, mode="eval").body
-            node.decorator_list.append(ast.copy_location(decorator, node))
+        if (
+            self._parents
+            and getattr(self._parents[0], "body", [])[-1:]
+            and any(
+                isinstance(one, ast.FunctionDef) and one.name == "renamed_arguments"
+                for one in getattr(self._parents[0], "body", [])
+            )
+        ):
+            return super().visit_FunctionDef(node)
+        if self._inside_a_function():
+            # Wrappers of `__init__`, by which jaxtyping knows that a class is checked already.
+            return super().visit_FunctionDef(node) if node.decorator_list else node
+        name = "__import__('tests.shape_checks').shape_checks.checked"
+        decorator = ast.parse(name, mode="eval").body
+        node.decorator_list.append(ast.copy_location(decorator, node))
+        self._parents.append(node)
+        self.generic_visit(node)
+        self._parents.pop()
         return node
 
     def visit_ClassDef(self, node: ast.ClassDef):
@@ -76,4 +92,4 @@ def install() -> None:
     """Check what is imported from the package from now on."""
     _import_hook.JaxtypingTransformer = _OncePerFunction
     # Bytecode is stored under this name.
-    jaxtyping.install_import_hook("prsm_jax", "tests.shape_checks.beartype.beartype")
+    jaxtyping.install_import_hook("prsm_jax", "tests.shape_checks.checker_of_types")
