@@ -12,6 +12,7 @@ from prsm_jax.mechanism import (
     DesignProblem,
     Gear,
     Objective,
+    Screw,
     Variable,
     standard_modules,
 )
@@ -86,7 +87,7 @@ def test_choices_that_only_go_together(valley):
     """A bore of 13 mm radius needs a wider screw than the present one of 12 mm."""
     both = {"screw.bore_radius": [1e-3, 13e-3], "roller_radius": [4e-3, 8e-3]}
     best = optimise(
-        scenes.example("actuator"),
+        scenes.frictionless(screw=Screw(mass=0.76, inertia=1.7e-4, bore_radius=1e-3)),
         ANGLE,
         minimise="stepped_valley",
         choices=both,
