@@ -27,6 +27,16 @@ from ._variables import StudioVariable
 
 #: How often the page looks for news of a search and of other windows [s].
 _TICK_S = 0.3
+#: Outside a field the browser would undo what was typed into the last one, beside the step.
+_OWN_KEYS = """<script>
+document.addEventListener("keydown", (event) => {
+  const own = (event.ctrlKey || event.metaKey) && !event.altKey;
+  const field = ["INPUT", "SELECT", "TEXTAREA"].includes(document.activeElement?.tagName);
+  if (own && !field && ["z", "y"].includes(event.key.toLowerCase())) event.preventDefault();
+});
+</script>"""
+#: A number is complete with Enter: then the keys undo it as a step, not as text.
+_LEAVE = "(event) => event.target.blur()"
 #: A slider that is dragged sends at most one position in this time [s].
 _THROTTLE_S = 0.05
 
@@ -46,7 +56,7 @@ class Page:
         self._told: tuple[Any, ...] = ()
         self._numbers: Numbers | None = None
         self._controls: dict[str, tuple[Any, Any]] = {}
-        ui.add_head_html(f"<style>{STYLE}</style>")
+        ui.add_head_html(f"<style>{STYLE}</style>{_OWN_KEYS}")
         _html(f"<h1>{html.escape(title)}</h1>")
         _html(
             f'<p class="quiet">{html.escape(session.source)}; files are written into '
@@ -82,7 +92,18 @@ class Page:
             with ui.element("div").classes("buttons"):
                 self._undo = _button("Undo", lambda: self._do(self._session.undo))
                 self._redo = _button("Redo", lambda: self._do(self._session.redo))
+            # Not in a field, whose text has an undo of its own; on sliders and buttons, too.
+            ui.keyboard(self._key, ignore=["input", "select", "textarea"])
             self._error = _html("", "error").props('role=alert data-part="error"')
+
+    async def _key(self, event: Any) -> None:
+        """Ctrl+Z (on a Mac Command+Z) undoes a step; with Shift, or Ctrl+Y, redoes one."""
+        modifiers, key = event.modifiers, event.key.name.lower()
+        pressed = event.action.keydown and (modifiers.ctrl or modifiers.meta)
+        if not pressed or modifiers.alt or key not in ("z", "y"):
+            return
+        again = key == "y" or modifiers.shift
+        await self._do(self._session.redo if again else self._session.undo)
 
     def _control(self, one: StudioVariable) -> None:
         value = one.shown(self._session.design[one.name])
@@ -114,6 +135,7 @@ class Page:
         slider.on("update:model-value", dragged, throttle=_THROTTLE_S)
         slider.on("change", released)
         field.on("change", typed)
+        field.on("keydown.enter", js_handler=_LEAVE)
 
     def _improve_panel(self) -> None:
         with _panel("Improve"):

@@ -1,8 +1,8 @@
-"""The numbers that the studio moves: those of the `[optimise]` table, or else the usual ones."""
+"""Numbers that the studio moves: those of `[optimise]` or the usual ones, speed, and load."""
 
+import dataclasses
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from .._errors import PrsmError, UnknownNameError
 from ..mechanism import Mechanism, find_parameters, set_parameters
@@ -12,11 +12,14 @@ from ..text import DisplayUnit, display_unit, trimmed
 USUAL = ("lead", "contact_angle", "roller_radius", "roller_profile_radius")
 #: Limits of these, in present values.
 _LEAST, _MOST = 0.6, 1.6
+#: Numbers of the operating point, which can be moved beside those of the design, and their limits.
+OPERATING_POINT = ("operating_point.speed", "operating_point.load")
+_LEAST_OPERATING, _MOST_OPERATING = 0.25, 2.0
 #: A slider has at least this many steps.
 _STEPS = 100
 
 
-@dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True)
 class StudioVariable:
     """A number of the design with its limits.
 
@@ -71,6 +74,7 @@ def studio_variables(mechanism: Mechanism) -> tuple[StudioVariable, ...]:
     Those of the `[optimise]` table with its bounds, which are widened to the present design where
     that lies outside. Without a table: lead, contact angle, roller radius and profile radius, from
     0.6 to 1.6 of the present values. A name whose stages differ is moved in each stage alone.
+    Speed and load of the operating point follow, from 0.25 to 2 of their values, unless they are 0.
 
     **Arguments:**
 
@@ -94,7 +98,23 @@ def studio_variables(mechanism: Mechanism) -> tuple[StudioVariable, ...]:
             elif parameter.unit == "rad":
                 limits = limits[0], min(limits[1], 0.95 * parameter.limit.upper)
             found.append(_variable(own, *limits, parameter.unit))
-    return tuple(found)
+    return (*found, *_of_operating_point(mechanism, {one.name for one in found}))
+
+
+def _of_operating_point(mechanism: Mechanism, taken: set[str]) -> list[StudioVariable]:
+    """Speed and load, unless they are moved already, not given, or 0, which has no range."""
+    found: list[StudioVariable] = []
+    if mechanism.operating_point is None:
+        return found
+    for name in OPERATING_POINT:
+        (parameter,) = find_parameters(mechanism, name)
+        value = float(parameter.get(mechanism))
+        short = name.rpartition(".")[2]
+        if value and not taken & {name, short}:
+            lower, upper = sorted((_LEAST_OPERATING * value, _MOST_OPERATING * value))
+            one = _variable(name, lower, upper, parameter.unit)
+            found.append(dataclasses.replace(one, label=short))
+    return found
 
 
 def present_values(

@@ -55,7 +55,7 @@ def _press(driver, words: str) -> None:
 
 
 def _field(driver, name: str):
-    return driver.find_element("css selector", f".field-{name.replace('_', '-')}")
+    return driver.find_element("css selector", ".field-" + re.sub("[_.]", "-", name))
 
 
 def _type(driver, name: str, text: str) -> None:
@@ -64,6 +64,19 @@ def _type(driver, name: str, text: str) -> None:
     field = _field(driver, name)
     field.send_keys(Keys.CONTROL, "a")
     field.send_keys(text, Keys.ENTER)
+
+
+def _keys(driver, *keys: str) -> None:
+    """Keys pressed together, on the element that has the focus."""
+    from selenium.webdriver import ActionChains
+
+    chain = ActionChains(driver)
+    for key in keys[:-1]:
+        chain = chain.key_down(key)
+    chain = chain.send_keys(keys[-1])
+    for key in keys[:-1]:
+        chain = chain.key_up(key)
+    chain.perform()
 
 
 def _raw(address: str, path: str, headers: dict[str, str]) -> tuple[int, str]:
@@ -181,6 +194,27 @@ def test_the_studio_in_a_browser(tmp_path, small):
         assert "Ø6.02 roller" in drawing.text
         _press(driver, "Undo")
         _until(lambda: abs(_shown(driver)["nut_radius[1]"][0] - 15e-3) < 1e-12, "15 mm again")
+
+        # The keys do what the buttons do, wherever the focus is but in a field.
+        _keys(driver, Keys.CONTROL, Keys.SHIFT, "z")
+        _until(lambda: abs(_shown(driver)["nut_radius[1]"][0] - 15.05e-3) < 1e-12, "redone")
+        slider.send_keys(Keys.CONTROL, "z")
+        _until(lambda: abs(_shown(driver)["nut_radius[1]"][0] - 15e-3) < 1e-12, "undone")
+        # One step only: the browser's own undo would take back what was typed into the angle.
+        assert _field(driver, "contact_angle").get_attribute("value") == "47.5"
+        slider.send_keys("z")
+
+        # The load is moved like a number of the design.
+        before = _shown(driver)["max_pressure"][0]
+        _type(driver, "operating_point.load", "5")
+        loaded = prsm.set_parameter(moved, "operating_point.load", 5e3)
+        pressure = float(prsm.compute(loaded, ["max_pressure"])["max_pressure"])
+        _until(lambda: _shown(driver)["max_pressure"][0] != before, "a new pressure")
+        assert _shown(driver)["max_pressure"][0] == pytest.approx(pressure, rel=1e-12)
+        assert _shown(driver)["nut_radius[1]"][0] == pytest.approx(15e-3, rel=1e-12)
+        # A number is complete with Enter: then the keys undo the step.
+        _keys(driver, Keys.CONTROL, "z")
+        _until(lambda: _shown(driver)["max_pressure"][0] == before, "the load as before")
 
         # A number beyond the limits is refused in words.
         _type(driver, "contact_angle", "80")

@@ -1,5 +1,6 @@
 """The state behind the page: numbers of the Python API, steps, files."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -16,20 +17,30 @@ def test_the_variables_are_those_of_the_table_in_engineering_units(session):
     assert shown == [
         ("contact_angle", "deg", "35 to 55 deg", 0.1),
         ("roller_radius", "mm", "2.5 to 4 mm", 0.01),
+        ("operating_point.speed", "rpm", "150 to 1200 rpm", 10.0),
+        ("operating_point.load", "kN", "1 to 8 kN", 0.01),
     ]
     # As the file says.
     assert session.design == pytest.approx(
-        {"contact_angle": 45 * _DEGREE, "roller_radius": 3e-3}, rel=1e-15
+        {
+            "contact_angle": 45 * _DEGREE,
+            "roller_radius": 3e-3,
+            "operating_point.speed": 20 * math.pi,
+            "operating_point.load": 4e3,
+        },
+        rel=1e-15,
     )
 
 
 def test_without_a_table_the_usual_variables_are_moved():
     variables = studio_variables(prsm.load("lisowski2014"))
+    of_load = ("operating_point.speed", "operating_point.load")
     assert [v.name for v in variables] == [
         "lead",
         "contact_angle",
         "roller_radius",
         "roller_profile_radius",
+        *of_load,
     ]
     for one in variables:
         value = float(prsm.get_parameter(prsm.load("lisowski2014"), one.name))
@@ -38,9 +49,36 @@ def test_without_a_table_the_usual_variables_are_moved():
     stages = [v.name for v in studio_variables(prsm.load("li2020_two_stage"))]
     assert len(stages) == len(set(stages))
     for name in stages:
-        assert name in ("contact_angle", "lead", "roller_radius", "roller_profile_radius") or (
-            name.startswith(("stage.1.", "stage.2."))
-        )
+        usual = ("contact_angle", "lead", "roller_radius", "roller_profile_radius", *of_load)
+        assert name in usual or (name.startswith(("stage.1.", "stage.2.")))
+
+
+def test_speed_and_load_are_moved_unless_they_are_absent_or_zero():
+    actuator = prsm.load("actuator")
+    back = prsm.set_parameter(actuator, "operating_point.speed", -100.0)
+    (speed,) = [v for v in studio_variables(back) if v.name == "operating_point.speed"]
+    assert (speed.label, speed.lower, speed.upper) == ("speed", -200.0, -25.0)
+    still = prsm.set_parameter(actuator, "operating_point.speed", 0.0)
+    names = [v.name for v in studio_variables(still)]
+    assert (names[-1], "operating_point.speed" in names) == ("operating_point.load", False)
+    bare = dataclasses.replace(actuator, operating_point=None)
+    assert not any("operating" in v.name for v in studio_variables(bare))
+
+
+def test_a_moved_load_is_in_the_numbers_and_in_the_saved_file(session, small, tmp_path):
+    session.set("operating_point.load", 5.5)
+    session.set("operating_point.speed", 900)
+    saved = prsm.load(session.save("loaded"))
+    assert float(saved.operating_point.load) == pytest.approx(5500.0, rel=1e-12)
+    assert float(saved.operating_point.speed) == pytest.approx(30 * math.pi, rel=1e-12)
+    moved = prsm.set_parameter(prsm.load(small), "operating_point.load", 5500.0)
+    pressure = float(prsm.compute(moved, ["max_pressure"])["max_pressure"])
+    numbers = session.numbers()
+    found = numbers.values[numbers.quantities.index("max_pressure")]
+    assert found == pytest.approx(pressure, rel=1e-12)
+    session.undo()
+    session.undo()
+    assert session.design["operating_point.load"] == 4000.0
 
 
 def test_numbers_are_exactly_those_of_the_python_api(session, small):
@@ -77,7 +115,7 @@ def test_changes_are_differences_of_values(session):
         share = difference / numbers.value("max_pressure")
         assert numbers.relative[row, column] == pytest.approx(share, rel=1e-3)
     assert numbers.changes[numbers.quantities.index("nut_radius[1]")] == pytest.approx(
-        [0.0, 0.01 * 15e-3]
+        [0.0, 0.01 * 15e-3, 0.0, 0.0]
     )
 
 
@@ -101,7 +139,8 @@ def test_steps_are_undone_and_done_again(session):
     session.commit()
     session.set("roller_radius", 3.5)
     last = dict(session.design)
-    assert last == pytest.approx({"contact_angle": 48 * _DEGREE, "roller_radius": 3.5e-3})
+    moved = {"contact_angle": 48 * _DEGREE, "roller_radius": 3.5e-3}
+    assert last == pytest.approx({**first, **moved})
     session.undo()
     assert session.design["roller_radius"] == first["roller_radius"]
     assert session.design["contact_angle"] == last["contact_angle"]
