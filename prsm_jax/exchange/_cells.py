@@ -1,17 +1,17 @@
-"""Text of the report's tables as numbers with units, for programs that calculate."""
+"""Cells of the report's tables as numbers with units, for programs that calculate."""
 
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..report import Table
-from ..text import MINUS, UNIT_LABELS
+from ..text import MINUS, UNIT_LABELS, NumberText
 
 #: Units that the report writes beside those of the display units.
 _UNITS = UNIT_LABELS | {"°", "GPa"}
 _NUMBER = re.compile(
     r"(?P<relation>at most |at least |[≤≥<>±]\s?)?"
-    r"(?P<digits>-?\d+(?:\.(?P<decimals>\d+))?)"
+    r"(?P<digits>[-+]?\d+(?:\.(?P<decimals>\d+))?)"
     r"(?:·10(?P<power>[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?"
     r"(?P<unit>\s?\S+)?"
 )
@@ -20,13 +20,17 @@ _POWERS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 @dataclass(frozen=True)
 class NumberCell:
-    """A number with its unit (empty if none), a relation (`at most`), and how it was printed."""
+    """A number with its unit (empty if none), a relation (`at most`), and how it was printed.
+
+    `signed`: whether a sign is printed in front of positive numbers too.
+    """
 
     value: float
     unit: str
     relation: str
     decimals: int
     exponent: bool
+    signed: bool = False
 
 
 @dataclass(frozen=True)
@@ -38,16 +42,23 @@ class Column:
 
 
 def number_cell(text: str) -> NumberCell | None:
-    """The number of a cell; `None` if the cell holds anything else."""
+    """The number of a cell, whole if the text carries it, else as printed.
+
+    **Returns:** `None` if the cell holds anything else.
+    """
     match = _NUMBER.fullmatch(text.replace(MINUS, "-").strip())
     if match is None:
         return None
     unit, power = (match["unit"] or "").strip(), match["power"] or ""
-    if unit and unit not in _UNITS:
+    relation, value = (match["relation"] or "").strip(), 0.0
+    if isinstance(text, NumberText):
+        value, unit, relation = text.value, text.unit, text.relation
+    elif unit and unit not in _UNITS:
         return None
-    digits = match["digits"] + (f"e{power.translate(_POWERS)}" if power else "")
-    decimals = len(match["decimals"] or "")
-    return NumberCell(float(digits), unit, (match["relation"] or "").strip(), decimals, bool(power))
+    else:
+        value = float(match["digits"] + (f"e{power.translate(_POWERS)}" if power else ""))
+    signed, decimals = match["digits"].startswith("+"), len(match["decimals"] or "")
+    return NumberCell(value, unit, relation, decimals, bool(power), signed)
 
 
 def _split_heading(heading: str) -> tuple[str, str]:

@@ -24,10 +24,10 @@ _WIDTH = 24
 def write_workbook(path: str | os.PathLike[str], data: ReportData) -> Path:
     """Write the tables of a report to a workbook of Excel.
 
-    Each section is a sheet with its sentences and tables. Numbers are numbers, as rounded in the
-    report, and shown with as many digits; their unit is in the heading, or in a column beside them
-    where it changes from row to row. A sheet "Assumptions" lists what the numbers of each section
-    rest on. Text is never a formula.
+    Each section is a sheet with its sentences and tables. Numbers are numbers, not rounded, and
+    shown with as many digits as in the report; their unit is in the heading, or in a column beside
+    them where it changes from row to row. A sheet "Assumptions" lists what the numbers of each
+    section rest on. Text is never a formula.
 
     **Arguments:**
 
@@ -105,7 +105,8 @@ def _cell(sheet: Any, content: NumberCell | str) -> Any:
         return _text(sheet, content)
     cell = openpyxl.cell.WriteOnlyCell(sheet, content.value)
     decimals = "." + "0" * content.decimals if content.decimals else ""
-    cell.number_format = f"0{decimals}E+00" if content.exponent else f"0{decimals}"
+    digits = f"0{decimals}E+00" if content.exponent else f"0{decimals}"
+    cell.number_format = f"+{digits};-{digits};{digits}" if content.signed else digits
     return cell
 
 

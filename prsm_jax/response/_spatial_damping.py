@@ -11,9 +11,8 @@ from ..results import DesignResult, outcome
 from ..text import Line
 from ..vibration import (
     SpatialModes,
-    spatial_harmonic_network,
     spatial_modes,
-    spring_modes,
+    spatial_spring_modes,
     stage_spatial_system,
 )
 from ._creep_friction import CreepFriction, creep_friction
@@ -142,16 +141,13 @@ def spatial_damping(
     load = load_of(mechanism, load)
     creep = creep_friction(mechanism, stage=stage, speed=speed, load=load)
     system = stage_spatial_system(mechanism, stage, load, sticking=sticking, motor_held=motor_held)
-    modes = spatial_modes(system, shapes=shapes)
+    solved = spatial_spring_modes(system)
     damped = [
-        damped_modes(
-            spring_modes(spatial_harmonic_network(system, harmonic)),
-            creep.network(system, harmonic),
-        )
-        for harmonic in range(len(modes.groups))
+        damped_modes(modes, creep.network(system, harmonic))
+        for harmonic, modes in enumerate(solved)
     ]
     return SpatialDamping(
-        modes=modes,
+        modes=spatial_modes(system, shapes=shapes, solved=solved),
         creep=creep,
         ratios=tuple(one.ratios for one in damped),
         first_order_ratios=tuple(one.first_order for one in damped),

@@ -4,13 +4,17 @@ from ._display_units import (
     MINUS as MINUS,
     UNIT_LABELS as UNIT_LABELS,
     DisplayUnit as DisplayUnit,
+    NumberText as NumberText,
     display_unit as display_unit,
+    fixed as fixed,
     in_unit as in_unit,
     is_efficiency as is_efficiency,
     number as number,
+    related as related,
     show as show,
     state_without_efficiency as state_without_efficiency,
     trimmed as trimmed,
+    with_label as with_label,
 )
 from ._lines import Line as Line, aligned as aligned, html_table as html_table
 from ._plain_text import (

@@ -115,20 +115,52 @@ def display_unit(
     return fitting[-1] if fitting else choices[0]
 
 
+class NumberText(str):
+    """A number as it is shown, with the number itself, for programs that calculate further.
+
+    - `value`: the number, not rounded, in the unit of the text.
+    - `unit`: label of the unit; empty if there is none.
+    - `relation`: words before the number, such as `at most`; empty if there are none.
+    """
+
+    value: float
+    unit: str
+    relation: str
+
+    def __new__(cls, digits: str, value: float, unit: str = "", relation: str = "") -> "NumberText":
+        text = super().__new__(cls, f"{relation} {digits}" if relation else digits)
+        text.value, text.unit, text.relation = value, unit, relation
+        return text
+
+    def __reduce__(self) -> tuple[type["NumberText"], tuple[str, float, str, str]]:
+        digits = str(self).removeprefix(self.relation).lstrip(" ")
+        return NumberText, (digits, self.value, self.unit, self.relation)
+
+
+def related(relation: str, shown: str) -> str:
+    """A shown number with words before it: "at most 2100 MPa"."""
+    if isinstance(shown, NumberText):
+        return NumberText(str(shown), shown.value, shown.unit, relation)
+    return f"{relation} {shown}"
+
+
 def number(value: SupportsFloat, digits: int = 4) -> str:
-    """A number with `digits` significant digits; an exponent only below 1e-4 and from 1e7 on."""
+    """A number with `digits` significant digits; an exponent only below 1e-4 and from 1e7 on.
+
+    **Returns:** a `NumberText`, or plain words where there is no finite number.
+    """
     value = float(value)
     if not math.isfinite(value):
         return "not defined" if math.isnan(value) else ("∞" if value > 0 else MINUS + "∞")
     if value == 0:
-        return "0"
+        return NumberText("0", 0.0)
     power = math.floor(math.log10(abs(value)))
     if -5 < power < 7:
         text = f"{value:.{max(0, digits - 1 - power)}f}"
     else:
         mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
         text = f"{mantissa}·10{_superscript(int(exponent))}"
-    return text.replace("-", MINUS)
+    return NumberText(text.replace("-", MINUS), value)
 
 
 def _superscript(exponent: int) -> str:
@@ -138,8 +170,16 @@ def _superscript(exponent: int) -> str:
 
 def in_unit(value: SupportsFloat, unit: DisplayUnit, digits: int = 4) -> str:
     """An SI number in a display unit, with its label."""
-    text = number(unit(float(value)), digits)
-    return text if not unit.label else f"{text}{_THIN}{unit.label}"
+    shown = unit(float(value))
+    return with_label(number(shown, digits), unit.label)
+
+
+def with_label(text: str, label: str, gap: str = _THIN) -> str:
+    """A shown number with the label of its unit; the number is in this unit already."""
+    if not label:
+        return text
+    words = f"{text}{gap}{label}"
+    return NumberText(words, text.value, label) if isinstance(text, NumberText) else words
 
 
 def show(value: SupportsFloat, unit: str, quantity: str = "", digits: int = 4) -> str:
@@ -151,7 +191,13 @@ def show(value: SupportsFloat, unit: str, quantity: str = "", digits: int = 4) -
     return state or in_unit(value, display_unit(unit, float(value), quantity), digits)
 
 
+def fixed(value: SupportsFloat, decimals: int, sign: str = "-") -> str:
+    """A number with as many decimals as given; with the sign "+" also in front of positive ones."""
+    text = f"{float(value):{sign}.{decimals}f}".replace("-", MINUS)
+    return NumberText(text, float(value)) if math.isfinite(value) else text
+
+
 def trimmed(value: SupportsFloat, decimals: int = 3) -> str:
     """A dimension as on a drawing: without trailing zeros."""
     text = f"{float(value):.{decimals}f}".rstrip("0").rstrip(".")
-    return ("0" if text in ("", "-0") else text).replace("-", MINUS)
+    return NumberText(("0" if text in ("", "-0") else text).replace("-", MINUS), float(value))

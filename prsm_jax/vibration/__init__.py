@@ -75,6 +75,7 @@ from .spatial import (
     spatial_modal as spatial_modal,
     spatial_modes as spatial_modes,
     spatial_network as spatial_network,
+    spatial_spring_modes as spatial_spring_modes,
     spatial_system as spatial_system,
     spatial_transverse_modes as spatial_transverse_modes,
     stage_spatial_system as stage_spatial_system,

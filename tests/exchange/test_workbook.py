@@ -1,6 +1,9 @@
 """The workbook of a report, read by openpyxl: numbers against the mechanism, units in headings."""
 
+import copy
 import dataclasses
+import math
+import pickle
 
 import openpyxl
 import pytest
@@ -10,9 +13,10 @@ from prsm_jax.exchange import write_workbook
 from prsm_jax.exchange._cells import columns_of, number_cell
 from prsm_jax.findings import StrengthCheck
 from prsm_jax.report import ReportData, Table
+from prsm_jax.text import fixed, number, related, show, trimmed, with_label
 
-#: Numbers in the report have four digits.
-FOUR_DIGITS = 5e-4
+#: Numbers are not rounded; conversions are multiplications.
+EXACT = 1e-14
 CHECKS = (
     StrengthCheck("static_safety", 1, 3.4567, 1.5, "1", False, 0.5661, "1", "pass"),
     StrengthCheck("buckling_load", 1, 23456.0, None, "N", False, None, "1", "no limit"),
@@ -64,16 +68,16 @@ def test_checks_have_numbers_units_and_relations(book):
     assert len(rows) == len(CHECKS)
     for row, check in zip(rows, CHECKS, strict=True):
         value = row["value"] * per_unit[row["unit"]]
-        assert value == pytest.approx(check.value, rel=FOUR_DIGITS)
+        assert value == pytest.approx(check.value, rel=EXACT)
         assert row["verdict"] == check.verdict
         if check.limit is None:
             assert (row["limit"], row["limit is"], row["margin"]) == (None, None, None)
             continue
         limit = row["limit"] * per_unit[row["unit of limit"]]
-        assert limit == pytest.approx(check.limit, rel=FOUR_DIGITS)
+        assert limit == pytest.approx(check.limit, rel=EXACT)
         assert row["limit is"] == ("at most" if check.at_most else "at least")
         margin = row["margin"] * per_unit[row["unit of margin"]]
-        assert margin == pytest.approx(check.margin, rel=5e-3)
+        assert margin == pytest.approx(check.margin, rel=EXACT)
 
 
 def test_dimensions_of_the_mechanism_are_numbers_with_units(book):
@@ -86,9 +90,9 @@ def test_dimensions_of_the_mechanism_are_numbers_with_units(book):
         "screw diameter": 2 * thread.screw_radius,
         "centre distance": thread.centre_distance,
     }.items():
-        assert found[name] == (pytest.approx(1e3 * float(value), abs=5e-4), "mm")
-    degrees = float(thread.contact_angle) * 180 / 3.141592653589793
-    assert found["contact angle (from the transverse plane)"] == (pytest.approx(degrees), "°")
+        assert found[name] == (pytest.approx(1e3 * float(value), rel=EXACT), "mm")
+    degrees = pytest.approx(float(thread.contact_angle) * 180 / math.pi, rel=1e-13)
+    assert found["contact angle (from the transverse plane)"] == (degrees, "°")
     assert found["rollers"] == (7, None)
     # Two numbers in one cell are no number.
     assert found["Young's modulus, Poisson's ratio"] == ("212 GPa, 0.29", None)
@@ -126,6 +130,33 @@ def test_assumptions_are_a_sheet_with_the_section_of_each(book):
 def test_a_cell_is_a_number_with_a_unit(text, expected):
     cell = number_cell(text)
     assert (cell.value, cell.unit, cell.relation, cell.decimals) == expected
+
+
+@pytest.mark.parametrize(
+    ("shown", "value", "unit", "relation", "text"),
+    [
+        (number(math.pi), math.pi, "", "", "3.142"),
+        (number(1 / 3e9, 3), 1 / 3e9, "", "", "3.33·10⁻¹⁰"),
+        (show(2127.712e6, "Pa"), 2127.712, "MPa", "", "2128\u202fMPa"),
+        (related("at most", show(1e-3 / 7, "m")), 1 / 7, "mm", "at most", "at most 0.1429\u202fmm"),
+        (fixed(0.5 - 1 / 3, 2, "+"), 0.5 - 1 / 3, "", "", "+0.17"),
+        (fixed(1 / 3 - 0.5, 2, "+"), 1 / 3 - 0.5, "", "", "\N{MINUS SIGN}0.17"),
+        (with_label(trimmed(22.4999, 2), "°", ""), 22.4999, "°", "", "22.5°"),
+    ],
+)
+def test_a_shown_number_keeps_all_its_digits(shown, value, unit, relation, text):
+    for one in (shown, copy.deepcopy(shown), pickle.loads(pickle.dumps(shown))):
+        assert str(one) == one == text
+        cell = number_cell(one)
+        assert (cell.unit, cell.relation) == (unit, relation)
+        assert cell.value == pytest.approx(value, rel=1e-15)
+        assert cell.signed == text.startswith("+")
+
+
+def test_what_is_not_finite_is_no_number():
+    for value in (math.nan, math.inf, -math.inf):
+        assert number_cell(number(value)) is None
+        assert number_cell(fixed(value, 2)) is None
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ...mechanism import what_follows
 from ...optimisation import ConstraintReport, Optimum
 from ...quantities import find_quantity
-from ...text import MINUS, is_efficiency, number, show
+from ...text import MINUS, fixed, is_efficiency, number, show, with_label
 from .._style import readable
 from ._optimisation_chart import limit_use
 
@@ -207,4 +207,4 @@ def relative_change(change: Change) -> str:
         return signed_change(change.name, change.unit, change.after - change.before)
     if change.before == 0:
         return ""
-    return f"{100 * (change.after / change.before - 1):+.2f} %".replace("-", MINUS)
+    return with_label(fixed(100 * (change.after / change.before - 1), 2, "+"), "%", " ")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...text import trimmed
+from ...text import fixed
 from .._parts import aside, component_words, legend_below, page_title
 from .._style import INK, MUTED, Figure, drawn, page_figure, readable, series_style
 
@@ -73,8 +73,7 @@ def _signed(value: float) -> str:
         return "0"
     if abs(value) < 5e-4:
         return "≈ 0"
-    text = trimmed(value)
-    return text if value < 0 else f"+{text}"
+    return fixed(value, 3, "+")
 
 
 def _legend(figure: Figure, parameters: Sequence[str]) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...text import display_unit, in_unit, number, show
+from ...text import display_unit, fixed, in_unit, number, show
 from .._style import readable
 from ..animations import mode_shapes
 from ..contact_charts import FlankLine, contact_ellipses
@@ -134,7 +134,7 @@ def vibration_section(data: ReportData) -> Section | None:
         rows = []
         for (family, count), (value, multiplicity) in frequencies.items():
             share = _mesh_share(modes, family, value)
-            cells = [f"{family} {count}", number(value, 5), str(multiplicity), f"{share:.0f}"]
+            cells = [f"{family} {count}", number(value, 5), str(multiplicity), fixed(share, 0)]
             if len(designs) > 1:
                 after = designs[1][0].get((family, count))
                 cells.append(number(after[0], 5) if after else "")
@@ -216,7 +216,7 @@ def steady_section(data: ReportData) -> Section | None:
         lost = [(readable(n), float(v)) for n, v in state.losses.items()]
         lost.sort(key=lambda item: -item[1])
         lost.append(("total", sum(v for _, v in lost)))
-        table = tuple((n, number(v), f"{100 * v / source:.3f}") for n, v in lost)
+        table = tuple((n, number(v), fixed(100 * v / source, 3)) for n, v in lost)
         tables.append(Table("Losses", ("loss", "power in W", "share of the input in %"), table))
     if data.improved is not None and data.improved.steady is not None:
         chart = _designs(data, "steady")

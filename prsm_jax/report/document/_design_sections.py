@@ -5,7 +5,16 @@ from typing import Any
 
 import numpy as np
 
-from ...text import display_unit, in_unit, number, show, state_without_efficiency
+from ...text import (
+    display_unit,
+    fixed,
+    in_unit,
+    number,
+    related,
+    show,
+    state_without_efficiency,
+    with_label,
+)
 from .._parts import component_words
 from .._style import readable
 from ..design_charts import (
@@ -114,9 +123,7 @@ def _share(table, column: int, value: float, slope: float) -> float:
 
 
 def _signed(value: float) -> str:
-    if not np.isfinite(value):
-        return "not defined"
-    return f"{value:+.4f}".replace("-", "\N{MINUS SIGN}")
+    return fixed(value, 4, "+") if np.isfinite(value) else "not defined"
 
 
 def optimisation_section(data: ReportData) -> Section | None:
@@ -231,12 +238,12 @@ def _tables(result: Optimisation, data: ReportData) -> tuple[Table, ...]:
     limits = []
     for c in result.limits:
         shown = display_unit(c.unit, [c.value, c.limit], c.quantity)
-        use = f"{100 * c.use:.1f} %" if np.isfinite(c.use) else ""
+        use = with_label(fixed(100 * c.use, 1), "%", " ") if np.isfinite(c.use) else ""
         limits.append(
             (
                 readable(c.quantity),
                 state_without_efficiency(c.quantity, c.value) or in_unit(c.value, shown),
-                f"{signs[c.sense]} {in_unit(c.limit, shown)}",
+                related(signs[c.sense], in_unit(c.limit, shown)),
                 use,
                 "active" if c.active else "not active",
                 _worth(result, c),

@@ -12,7 +12,7 @@ from ...fields import Declared, values_of
 from ...file import loads, table_choices
 from ...mechanism import Mechanism, find_parameters
 from ...quantities import catalogue
-from ...text import display_unit, printable
+from ...text import NumberText, display_unit, printable, with_label
 from .._style import readable
 from ..results import ReportData
 from ._section import Section, Table
@@ -68,6 +68,8 @@ def input_text(value: Any, unit: str | None) -> str:
     texts = [f"{shown(float(one)):.9g}".replace("-", "\N{MINUS SIGN}") for one in numbers]
     if len(texts) > _LONGEST:
         texts = [*texts[: _LONGEST - 1], f"… ({len(texts)} numbers)"]
+    if len(texts) == 1:
+        return with_label(NumberText(texts[0], float(shown(float(numbers[0])))), shown.label)
     return ", ".join(texts) + (f"\N{NARROW NO-BREAK SPACE}{shown.label}" if shown.label else "")
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from ..._errors import MissingDataError
 from ...geometry import roller_clearance
 from ...mechanism import Stage, body_mass, stage_mass
-from ...text import display_unit, show, trimmed
+from ...text import display_unit, show, trimmed, with_label
 from ..drawings import cross_section
 from ..results import ReportData
 from ._section import Picture, Section, Table
@@ -75,10 +75,10 @@ def stage_rows(stage: Stage) -> Iterator[tuple[str, str]]:
     thread = stage.thread
 
     def length(value) -> str:
-        return f"{trimmed(1e3 * float(value))} mm"
+        return with_label(trimmed(1e3 * float(value)), "mm", " ")
 
     def angle(value) -> str:
-        return f"{trimmed(math.degrees(float(value)), 2)}°"
+        return with_label(trimmed(math.degrees(float(value)), 2), "°", "")
 
     if stage.type != "standard":
         yield "type", f"{stage.type}: {thread.family.radii}; travel per turn {thread.family.travel}"

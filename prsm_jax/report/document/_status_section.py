@@ -4,7 +4,7 @@ import collections
 from collections.abc import Sequence
 
 from ...findings import StrengthCheck
-from ...text import MINUS, number, show
+from ...text import MINUS, number, related, show, with_label
 from .._style import readable
 from ..results import ReportData
 from ._section import Section, Table
@@ -43,7 +43,7 @@ def limit_text(check: StrengthCheck) -> str:
     if check.limit is None:
         return ""
     sense = "at most" if check.at_most else "at least"
-    return f"{sense} {show(check.limit, check.unit, check.name)}"
+    return related(sense, show(check.limit, check.unit, check.name))
 
 
 def margin_text(check: StrengthCheck) -> str:
@@ -53,7 +53,7 @@ def margin_text(check: StrengthCheck) -> str:
     if check.margin_unit != "1":
         return show(check.margin, check.margin_unit)
     share = 100 * check.margin
-    return f"{number(share, 3)} %" if abs(share) < 1e4 else "large"
+    return with_label(number(share, 3), "%", " ") if abs(share) < 1e4 else "large"
 
 
 def checks_table(caption: str, checks: Sequence[StrengthCheck], stages: int) -> Table:

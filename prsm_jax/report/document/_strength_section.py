@@ -20,7 +20,7 @@ from ...strength import (
     preload_of,
     spectrum_of,
 )
-from ...text import number, show
+from ...text import number, related, show
 from .._style import readable
 from ..contact_charts import force_deflection_chart, roller_force_chart, thread_load_chart
 from ..design_charts import life_chart, shaft_limits_chart
@@ -52,7 +52,7 @@ def _verdict(data: ReportData, name: str, unit: str, stage: int) -> tuple[str, s
     worst = min(known, key=lambda one: one.margin if one.margin is not None else np.inf)
     least = worst.limit if limit is None else limit
     assert least is not None
-    return f"at least {show(least, unit)}", margin_text(worst), worst.verdict
+    return related("at least", show(least, unit)), margin_text(worst), worst.verdict
 
 
 def strength_section(data: ReportData) -> Section | None:

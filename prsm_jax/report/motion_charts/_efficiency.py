@@ -3,6 +3,7 @@
 from typing import SupportsFloat
 
 from ...dynamics import SteadyState
+from ...text import fixed, with_label
 
 _SELF_LOCKING = "self-locking"
 #: States by `SteadyState.result_name` whose words differ from their name.
@@ -25,4 +26,4 @@ def share_text(efficiency: SupportsFloat) -> str:
     value = float(efficiency)
     if value != value:
         return "not defined"
-    return f"{100 * value:.2f} %" if value > 0 else _SELF_LOCKING
+    return with_label(fixed(100 * value, 2), "%", " ") if value > 0 else _SELF_LOCKING

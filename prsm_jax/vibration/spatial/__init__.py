@@ -13,6 +13,7 @@ from ._modes import (
     axial_torsional_modes as axial_torsional_modes,
     is_torsional as is_torsional,
     spatial_modes as spatial_modes,
+    spatial_spring_modes as spatial_spring_modes,
     spatial_transverse_modes as spatial_transverse_modes,
 )
 from ._network import (

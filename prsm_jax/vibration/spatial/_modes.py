@@ -171,8 +171,22 @@ def spatial_transverse_modes(system: SpatialSystem) -> ModeGroup:
     return _group(system, 1, *_HARMONICS[1], shapes=False)[0]
 
 
+def _kinds(system: SpatialSystem) -> list[tuple[str, int]]:
+    """Group and multiplicity of each harmonic."""
+    others = system.roller_count - 3
+    return [*_HARMONICS, ("roller", others)] if others > 0 else [*_HARMONICS]
+
+
+def spatial_spring_modes(system: SpatialSystem) -> tuple[SpringModes, ...]:
+    """The modes of each harmonic's network, as `spatial_modes` takes them."""
+    harmonics = range(len(_kinds(system)))
+    return tuple(spring_modes(spatial_harmonic_network(system, one)) for one in harmonics)
+
+
 @physics("spatial_modes")
-def spatial_modes(system: SpatialSystem, *, shapes: bool = False) -> SpatialModes:
+def spatial_modes(
+    system: SpatialSystem, *, shapes: bool = False, solved: tuple[SpringModes, ...] | None = None
+) -> SpatialModes:
     """All natural frequencies of a stage in space, at a cost independent of its rollers' number.
 
     Harmonic 0 of the rollers moves with z and u of the bodies on the axis (axial–torsional, each
@@ -183,14 +197,12 @@ def spatial_modes(system: SpatialSystem, *, shapes: bool = False) -> SpatialMode
 
     - `system`: masses and springs from `spatial_system`.
     - `shapes`: also give the mode shapes.
+    - `solved`: `spatial_spring_modes` of the system, if already known.
     """
-    kinds = list(_HARMONICS)
-    others = system.roller_count - 3
-    if others > 0:
-        kinds.append(("roller", others))
+    modes = spatial_spring_modes(system) if solved is None else solved
     found = [
-        _group(system, harmonic, family, multiplicity, shapes)
-        for harmonic, (family, multiplicity) in enumerate(kinds)
+        _group(system, harmonic, *kind, shapes, modes[harmonic])
+        for harmonic, kind in enumerate(_kinds(system))
     ]
     groups = tuple(group for group, _ in found)
     network = spatial_network(system) if shapes else None

@@ -100,7 +100,7 @@ def test_elasticities():
         elif value == 0:
             chart.text("0")
         else:
-            words = chart.text(f"{value:+.3g}".replace("-", "\N{MINUS SIGN}"))
+            words = chart.text(f"{value:+.3f}".replace("-", "\N{MINUS SIGN}"))
             assert_reads(words, (value, "", "whole"))
     chart.take(*chart.lines(axes))
     assert handles(chart.figure) == ["lead", "pitch", "bore"]
@@ -561,4 +561,4 @@ def test_the_reader_of_figures_sees_what_was_left_out():
     chart = Chart(sensitivity_bars(["efficiency"], ["lead"], [[0.5]]))
     left = chart.unread()
     assert any(words.startswith("Patch") for words in left)
-    assert "'+0.5'" in left
+    assert "'+0.500'" in left
