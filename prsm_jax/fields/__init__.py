@@ -51,6 +51,7 @@ from ._limits import (
     ROLLER_NUMBER as ROLLER_NUMBER,
     ROLLERS as ROLLERS,
     SAMPLES as SAMPLES,
+    SHAPES as SHAPES,
     SHARE as SHARE,
     SHARE_ABOVE_0 as SHARE_ABOVE_0,
     SLANT as SLANT,

@@ -46,6 +46,8 @@ ROLLERS = Limit(
 )
 ROLLER_NUMBER = Limit(1.0, 1000.0, "a whole number from 1 to the number of rollers", True, True)
 COUNT = Limit(1.0, 100.0, "a whole number from 1 to 100", lower_allowed=True, upper_allowed=True)
+#: Rounding spoils polynomials of a higher degree before they describe a beam any better.
+SHAPES = Limit(1.0, 16.0, "a whole number from 1 to 16", True, True)
 #: More threads than any roller has; a longer chain would only take time.
 THREADS = Limit(1.0, 1000.0, "a whole number from 1 to 1000", True, True)
 

@@ -229,41 +229,50 @@ def _radial_shift_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: Stat
     return columns, diagonal
 
 
-def _nut_displacement_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: State):
-    """Columns of the Jacobian for the displacements of a free nut, and their own rows and columns.
+def _displacement_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: State):
+    """Columns of the Jacobian for the displacements, and their own rows and columns.
 
-    **Returns:** four columns; the stiffness between the displacements [4, 4]; and that between
-    them and the radial shift of each class [classes, 4], `None` without such shifts.
+    **Returns:** a column for each displacement; the stiffness between the displacements
+    [displacements, displacements]; and that between them and the radial shift of each class
+    [classes, displacements], `None` without such shifts.
     """
-    free_nut, nut = chains.free_nut, teeth[1]
-    assert free_nut is not None
-    weight = chains.weight[:, None]
-    slope = (weight * nut.slope)[None]
-    axial, radial = free_nut.axial, free_nut.radial
-    # Forces on flanks per displacement: those along the axis, and those that press outward.
-    along, outward = slope * axial, None
-    if radial is not None:
-        assert nut.slope_difference is not None
-        difference = (weight * nut.slope_difference)[None]
-        along = along + difference * radial
-        outward = difference * axial + (slope - (weight * chains.regularisation)[None]) * radial
+    coupled, weight = chains.displacements, chains.weight[:, None]
+    assert coupled is not None
+    own = chains.displacement_regularisation * jnp.eye(coupled.count, dtype=coupled.load.dtype)
+    if coupled.stiffness is not None:
+        own = own + coupled.stiffness
+    sides = [(coupled.nut, teeth[1], 1.0)]
+    if coupled.screw is not None:
+        sides.append((coupled.screw, teeth[0], -1.0))
+    pushed, on_nut, across = None, None, None
+    for side, flanks, sign in sides:
+        # Forces on flanks per displacement: those along the axis, and those that press outward.
+        slope = (weight * flanks.slope)[None]
+        along = slope * side.axial
+        if side.radial is not None:
+            assert flanks.slope_difference is not None
+            difference = (weight * flanks.slope_difference)[None]
+            along = along + difference * side.radial
+            free = slope - (weight * chains.regularisation)[None]
+            outward = difference * side.axial + free * side.radial
+            own = own + jnp.tensordot(side.radial, outward, axes=((1, 2), (1, 2)))
+            summed = -sign * jnp.sum(outward, axis=2).T
+            across = summed if across is None else across + summed
+        own = own + jnp.tensordot(side.axial, along, axes=((1, 2), (1, 2)))
+        pushed = along if pushed is None else pushed - along
+        on_nut = along if on_nut is None else on_nut
+    assert pushed is not None
+    assert on_nut is not None
     columns = [
         State(
             one,
-            -jnp.sum(one, axis=0),
+            -jnp.sum(other, axis=0),
             jnp.zeros_like(like.roller_force),
             jnp.zeros_like(like.nut_force),
         )
-        for one in along
+        for one, other in zip(pushed, on_nut, strict=True)
     ]
-    own = jnp.tensordot(axial, along, axes=((1, 2), (1, 2)))
-    own = own + chains.free_nut_regularisation * jnp.eye(4, dtype=own.dtype)
-    if free_nut.seat is not None:
-        own = own + jnp.diag(free_nut.seat)
-    if radial is None or outward is None:
-        return columns, own, None
-    own = own + jnp.tensordot(radial, outward, axes=((1, 2), (1, 2)))
-    return columns, own, -jnp.sum(outward, axis=2).T
+    return columns, own, across
 
 
 def solve_linear(
@@ -285,11 +294,11 @@ def solve_linear(
         columns, diagonal = _radial_shift_columns(chains, teeth, right)
         targets = [right.radial_shift[i] for i in range(right.radial_shift.shape[0])]
     between = None
-    if right.nut_displacement is not None:
-        more, own, across = _nut_displacement_columns(chains, teeth, right)
+    if right.displacements is not None:
+        more, own, across = _displacement_columns(chains, teeth, right)
         between = _corner(own, across, len(diagonal), control)
         columns, diagonal = [*columns, *more], [*diagonal, *(jnp.zeros_like(own[0]))]
-        targets = [*targets, *right.nut_displacement]
+        targets = [*targets, *right.displacements]
     if control != "load":
         column = control_column(chains, right, control)
         columns, diagonal = [*columns, column], [*diagonal, column.control]
@@ -311,15 +320,14 @@ def solve_linear(
 
 
 def _corner(own: Array, across: Array | None, shifts: int, control: Control) -> Array:
-    """Stiffnesses of a free nut in the square matrix of all coupled unknowns."""
-    count = shifts + 4 + (control != "load")
-    corner = (
-        jnp.zeros((count, count), own.dtype).at[shifts : shifts + 4, shifts : shifts + 4].set(own)
-    )
+    """Stiffnesses of the displacements in the square matrix of all coupled unknowns."""
+    last = shifts + len(own)
+    count = last + (control != "load")
+    corner = jnp.zeros((count, count), own.dtype).at[shifts:last, shifts:last].set(own)
     if across is None:
         return corner
-    corner = corner.at[:shifts, shifts : shifts + 4].set(across)
-    return corner.at[shifts : shifts + 4, :shifts].set(across.T)
+    corner = corner.at[:shifts, shifts:last].set(across)
+    return corner.at[shifts:last, :shifts].set(across.T)
 
 
 def _bordered(
@@ -355,7 +363,9 @@ def _with_coupled_unknowns(
     for share, response in zip(coupled, responses, strict=True):
         total = jax.tree.map(lambda a, b, c=share: a - c * b, total, thread_unknowns(response))
     shifts = 0 if right.radial_shift is None else right.radial_shift.shape[0]
-    moved = None if right.nut_displacement is None else jnp.stack(coupled[shifts : shifts + 4])
+    moved = right.displacements
+    if moved is not None:
+        moved = jnp.stack(coupled[shifts : shifts + len(moved)])
     return State(
         total.screw_approach,
         total.approach,

@@ -12,7 +12,8 @@ sides by $\rho\tan\alpha$ and approaches the nut's by the same amount. Where bot
 thread are modelled, this `radial_shift` of each class is an unknown too: it transmits the preload
 of a split nut to the screw. With one flank it changes nothing, because a roller is free axially.
 
-A nut that is free to move sideways and to lean adds its `nut_displacement` (see `part_errors`).
+A nut that is free to move sideways and to lean, and rollers that lean and bend, add their
+`displacements` (see `part_errors`).
 """
 
 from collections.abc import Callable
@@ -26,11 +27,11 @@ from jaxtyping import Array, Float
 from ..fields import Scalar
 from ..programs import physics
 from ._flank_law import flank_energy, flank_force, flank_force_and_slope
-from .part_errors import FreeNutCoupling
+from .part_errors import Displacements
 
 #: Stiffness of the springs that hold a free nut sideways over `Chains.radial_regularisation`:
-#: rollers hold it far better, but for one or two of them.
-_FREE_NUT_REGULARISATION = 1e-3
+#: rollers hold it far better, but for one or two of them. Shapes of rollers have the same.
+_DISPLACEMENT_REGULARISATION = 1e-3
 
 #: The prescribed quantity: axial load, deflection, or preload by a spacer whose offset is unknown
 #: (the load again where the offset is known, see `Chains.offset_unknown`).
@@ -188,13 +189,13 @@ class Chains(eqx.Module):
     split: int | None = eqx.field(static=True, default=None)
     #: Whether the nut's force is taken at the end where the screw's enters.
     same_end: bool = eqx.field(static=True, default=True)
-    #: How a free nut moves sideways and leans; `None` for a nut that is held.
-    free_nut: FreeNutCoupling | None = None
+    #: How a free nut moves, and how rollers lean and bend; `None` where none of them does.
+    displacements: Displacements | None = None
 
     @property
-    def free_nut_regularisation(self) -> Scalar:
-        """Stiffness of the springs that hold a free nut sideways [N/m]."""
-        return _FREE_NUT_REGULARISATION * self.radial_regularisation
+    def displacement_regularisation(self) -> Scalar:
+        """Stiffness of the springs that hold the displacements [N/m]."""
+        return _DISPLACEMENT_REGULARISATION * self.radial_regularisation
 
 
 class State(eqx.Module):
@@ -212,12 +213,12 @@ class State(eqx.Module):
     radial_shift: Float[Array, " classes"] | None = None
     #: The load [N] or the spacer's offset [m] where it is not prescribed.
     control: Scalar | None = None
-    #: Displacements of a free nut sideways, and its leans times its radius [m].
-    nut_displacement: Float[Array, " 4"] | None = None
+    #: Displacements of a free nut sideways, its leans times its radius, then shapes of rollers [m].
+    displacements: Float[Array, " displacements"] | None = None
 
     @property
     def nut_approach(self) -> Float[Array, "classes threads"]:
-        """Approach of roller and nut teeth D − d [m], of a nut that is held."""
+        """Approach of roller and nut teeth D − d [m], without displacements."""
         return self.approach[None, :] - self.screw_approach
 
 
@@ -258,16 +259,33 @@ def nut_flanks(
     - `opening`: gap on the screw side that the radial shift of each roller has opened [m]; on the
       nut side it closes.
     """
-    if chains.free_nut is None:
-        return state.nut_approach, -opening
-    assert state.nut_displacement is not None
-    approach = state.nut_approach - chains.free_nut.shift(state.nut_displacement)
-    return approach, chains.free_nut.opening(state.nut_displacement) - opening
+    approach = state.nut_approach
+    if chains.displacements is None:
+        return approach, -opening
+    assert state.displacements is not None
+    side, moved = chains.displacements.nut, state.displacements
+    return approach - side.shift(moved), side.opening(moved) - opening
 
 
-def nut_approach(chains: Chains, state: State) -> Float[Array, "classes threads"]:
-    """Approach of roller and nut teeth, of a free nut too [m]."""
-    return nut_flanks(chains, state, 0.0)[0]
+def screw_flanks(
+    chains: Chains, state: State, opening: Opening
+) -> tuple[Float[Array, "classes threads"], Opening]:
+    """Approach of screw and roller teeth, and the gap that has opened there [m].
+
+    **Arguments:** those of `nut_flanks`.
+    """
+    if chains.displacements is None or chains.displacements.screw is None:
+        return state.screw_approach, opening
+    assert state.displacements is not None
+    side, moved = chains.displacements.screw, state.displacements
+    return state.screw_approach - side.shift(moved), side.opening(moved) + opening
+
+
+def tooth_approaches(
+    chains: Chains, state: State
+) -> tuple[Float[Array, "classes threads"], Float[Array, "classes threads"]]:
+    """Approach of the teeth of screw and roller, and of roller and nut [m]."""
+    return screw_flanks(chains, state, 0.0)[0], nut_flanks(chains, state, 0.0)[0]
 
 
 def _evaluated(
@@ -275,7 +293,7 @@ def _evaluated(
 ) -> tuple[list[Any], list[Any]]:
     """A law of all flanks: on the screw side, then on the nut side."""
     opening = _gap_opening(state.radial_shift)
-    screw = chains.screw.approaches(state.screw_approach, opening)
+    screw = chains.screw.approaches(*screw_flanks(chains, state, opening))
     nut = chains.nut.approaches(*nut_flanks(chains, state, opening))
     values = _evaluate_alike(law, [*screw, *nut])
     return values[: len(screw)], values[len(screw) :]
@@ -284,9 +302,10 @@ def _evaluated(
 def forces_and_slopes(chains: Chains, state: State) -> tuple[Teeth, Teeth]:
     """Forces and slopes of all teeth of one roller per class: screw side, then nut side."""
     screw, nut = _evaluated(flank_force_and_slope, chains, state)
+    on_screw, on_nut = tooth_approaches(chains, state)
     return (
-        chains.screw.teeth(state.screw_approach, chains.regularisation, screw),
-        chains.nut.teeth(nut_approach(chains, state), chains.regularisation, nut),
+        chains.screw.teeth(on_screw, chains.regularisation, screw),
+        chains.nut.teeth(on_nut, chains.regularisation, nut),
     )
 
 
@@ -329,12 +348,15 @@ def balance(
             jnp.sum(nut.force_sum - screw.force_sum, axis=1)
             + chains.radial_regularisation * state.radial_shift
         )
-    nut_displacement = None
-    if chains.free_nut is not None:
-        assert state.nut_displacement is not None
-        moved, springs = state.nut_displacement, chains.free_nut_regularisation
-        both = None if nut.force_sum is None else weight * nut.force_sum
-        nut_displacement = chains.free_nut.unbalanced(moved, weight * nut.force, both, springs)
+    displacements = None
+    if chains.displacements is not None:
+        assert state.displacements is not None
+        coupled, springs = chains.displacements, chains.displacement_regularisation
+        displacements = coupled.held(state.displacements, springs)
+        for side, teeth in ((coupled.nut, nut), (coupled.screw, screw)):
+            if side is not None:
+                both = None if teeth.force_sum is None else weight * teeth.force_sum
+                displacements = displacements - side.forces(weight * teeth.force, both)
     control_residual = None
     if control == "deflection":
         control_residual = value - deflection_of(chains, state, load, offset)
@@ -356,7 +378,7 @@ def balance(
         nut_force=closing,
         radial_shift=radial_shift,
         control=control_residual,
-        nut_displacement=nut_displacement,
+        displacements=displacements,
     )
 
 
@@ -371,15 +393,16 @@ def _differences(cumulated: Float[Array, "... segments"], last: Scalar):
 def residual(chains: Chains, state: State, control: Control, value: Scalar) -> State:
     """`balance` with the forces of the flanks, differentiable in everything."""
     on_screw, on_nut = flank_loads(chains, state)
-    screw = chains.screw.force(state.screw_approach, chains.regularisation, on_screw)
-    nut = chains.nut.force(nut_approach(chains, state), chains.regularisation, on_nut)
+    approaches = tooth_approaches(chains, state)
+    screw = chains.screw.force(approaches[0], chains.regularisation, on_screw)
+    nut = chains.nut.force(approaches[1], chains.regularisation, on_nut)
     return balance(chains, state, control, value, screw, nut)
 
 
 def stored_energy(chains: Chains, state: State, load: Scalar) -> Scalar:
-    """Elastic energy in flanks, teeth, shafts and a nut's seat (without regularisation) [J]."""
+    """Elastic energy without regularisation [J]: flanks, teeth, shafts, seat, bent rollers."""
     opening = _gap_opening(state.radial_shift)
-    flanks = chains.screw.energy(state.screw_approach, opening)
+    flanks = chains.screw.energy(*screw_flanks(chains, state, opening))
     flanks = flanks + chains.nut.energy(*nut_flanks(chains, state, opening))
     weight = chains.weight[:, None]
     in_nut = state.nut_force - load if chains.same_end else state.nut_force
@@ -387,7 +410,7 @@ def stored_energy(chains: Chains, state: State, load: Scalar) -> Scalar:
     shafts = shafts + jnp.sum(chains.nut_segment * in_nut**2)
     shafts = shafts + jnp.sum(chains.roller_segment[None, :] / weight * state.roller_force**2)
     stored = jnp.sum(weight * flanks) + shafts / 2
-    if chains.free_nut is None:
+    if chains.displacements is None:
         return stored
-    assert state.nut_displacement is not None
-    return stored + chains.free_nut.stored(state.nut_displacement)
+    assert state.displacements is not None
+    return stored + chains.displacements.stored(state.displacements)

@@ -26,6 +26,7 @@ from ._chains import (
     stored_energy,
 )
 from ._equilibrium import Equilibrium, equilibrium, linear_response
+from ._roller_bending import deflected
 from ._side_loads import SideLoads, side_loads
 from ._stage_chains import (
     StageChains,
@@ -77,6 +78,11 @@ class LoadDistribution(DesignResult):
     nut_displacement: Annotated[Float[Array, "2"] | None, In("m")] = None
     #: Angles by which a free nut's axis leans from its place, towards 0 and 90 degrees [rad].
     nut_lean: Annotated[Float[Array, "2"] | None, In("rad")] = None
+    #: Angle by which the line through the ends of a roller leans outward towards its last thread
+    #: [rad], a class after the other; this and what follows is `None` without `roller_bending`.
+    roller_lean: Annotated[Float[Array, " classes"] | None, In("rad")] = None
+    #: How far a roller's axis is bent outward at its threads, from the line through its ends [m].
+    roller_deflection: Annotated[Float[Array, "classes threads"] | None, In("m")] = None
 
     @property
     def batch_shape(self) -> tuple[int, ...]:
@@ -131,10 +137,10 @@ def tangent_stiffness(chains: Chains, state: State) -> Scalar:
     column = control_column(chains, state, "deflection")
     unloaded = [
         None if one is None else jnp.zeros_like(one)
-        for one in (state.radial_shift, state.nut_displacement)
+        for one in (state.radial_shift, state.displacements)
     ]
     right = eqx.tree_at(
-        lambda s: (s.radial_shift, s.nut_displacement, s.control),
+        lambda s: (s.radial_shift, s.displacements, s.control),
         column,
         (*unloaded, None),
         is_leaf=lambda x: x is None,
@@ -263,7 +269,20 @@ def _described(
         converged=converged,
         rollers=chains_of_stage.rollers,
         **across,
+        **_bent_rollers(stage, unknowns),
     )
+
+
+def _bent_rollers(stage: Stage, state: State) -> dict[str, Array]:
+    """How rollers lean and bend, by field."""
+    sharing = sharing_of(stage)
+    if sharing.roller_bending is None:
+        return {}
+    assert state.displacements is not None
+    shapes = state.displacements[4 if sharing.free_nut is not None else 0 :]
+    places, count = places_of(stage), sharing.thread_count
+    lean, bow = deflected(stage, sharing.roller_bending, shapes, places, count)
+    return {"roller_lean": lean, "roller_deflection": bow}
 
 
 def _across_the_axis(stage: Stage, on_nut: Loads, state: State) -> dict[str, Array]:
@@ -278,10 +297,10 @@ def _across_the_axis(stage: Stage, on_nut: Loads, state: State) -> dict[str, Arr
         "nut_radial_force": forces.radial_force,
         "nut_overturning_moment": forces.overturning_moment,
     }
-    moved = state.nut_displacement
-    if moved is not None:
+    moved = state.displacements
+    if moved is not None and sharing_of(stage).free_nut is not None:
         across["nut_displacement"] = moved[:2]
-        across["nut_lean"] = moved[2:] / stage.thread.nut_radius
+        across["nut_lean"] = moved[2:4] / stage.thread.nut_radius
     return across
 
 

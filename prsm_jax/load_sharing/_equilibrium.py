@@ -24,8 +24,8 @@ from ._chains import (
     Teeth,
     balance,
     forces_and_slopes,
-    nut_approach,
     residual,
+    tooth_approaches,
 )
 from ._flank_law import flank_approach
 
@@ -79,8 +79,8 @@ def _moved(state: State, step: State, share: Scalar) -> State:
 def _energy_slope(residual: State, step: State) -> Scalar:
     slope = jnp.sum(residual.screw_approach * step.screw_approach)
     slope = slope + jnp.sum(residual.approach * step.approach)
-    if residual.nut_displacement is not None and step.nut_displacement is not None:
-        slope = slope + jnp.sum(residual.nut_displacement * step.nut_displacement)
+    if residual.displacements is not None and step.displacements is not None:
+        slope = slope + jnp.sum(residual.displacements * step.displacements)
     if residual.radial_shift is None or step.radial_shift is None:
         return slope
     return slope + jnp.sum(residual.radial_shift * step.radial_shift)
@@ -101,7 +101,7 @@ def _start(chains: Chains, control: Control, value: Scalar) -> _Point:
         jnp.zeros((count - 1,), zero.dtype),
         None if chains.screw.reverse_gap is None else jnp.zeros((classes,), zero.dtype),
         None if control == "load" else zero,
-        None if chains.free_nut is None else jnp.zeros((4,), zero.dtype),
+        None if chains.displacements is None else jnp.zeros_like(chains.displacements.load),
     )
     direction = jnp.sign(value) if control == "load" and chains.split is None else zero
 
@@ -131,11 +131,10 @@ def _error(chains: Chains, point: _Point) -> Scalar:
     ]
     largest = jnp.maximum(_largest(forces), 1e-3 * chains.typical_force)
     # Rounding of an approach limits the accuracy of a stiff tooth's force.
-    round_screw = weight * point.screw.slope * _magnitude(chains.screw, state.screw_approach)
+    on_screw, on_nut = tooth_approaches(chains, state)
+    round_screw = weight * point.screw.slope * _magnitude(chains.screw, on_screw)
     round_nut = (
-        weight
-        * point.nut.slope
-        * (_magnitude(chains.nut, nut_approach(chains, state)) + jnp.abs(state.screw_approach))
+        weight * point.nut.slope * (_magnitude(chains.nut, on_nut) + jnp.abs(state.screw_approach))
     )
     allowed = 4 * tiny.eps
     excess = [
@@ -146,9 +145,12 @@ def _error(chains: Chains, point: _Point) -> Scalar:
         excess.append(
             jnp.abs(residual.radial_shift) - allowed * jnp.sum(round_screw + round_nut, axis=1)
         )
-    if residual.nut_displacement is not None:
+    if residual.displacements is not None:
         # A displacement moves flanks by about as much, or more by the lever of their places.
-        excess.append(jnp.abs(residual.nut_displacement) - allowed * jnp.sum(round_nut))
+        rounded = jnp.sum(round_nut)
+        if chains.displacements is not None and chains.displacements.screw is not None:
+            rounded = rounded + jnp.sum(round_screw)
+        excess.append(jnp.abs(residual.displacements) - allowed * rounded)
     unbalanced = _largest([jnp.maximum(x, 0.0) for x in excess]) / largest
     lengths = [
         state.screw_approach,
@@ -164,10 +166,8 @@ def _error(chains: Chains, point: _Point) -> Scalar:
 
 def _carried_by_regularisation(chains: Chains, state: State) -> Bool[Array, ""]:
     """Whether a regularising spring carries a noticeable share of the typical force."""
-    offsets = [
-        state.screw_approach - chains.screw.centre,
-        nut_approach(chains, state) - chains.nut.centre,
-    ]
+    on_screw, on_nut = tooth_approaches(chains, state)
+    offsets = [on_screw - chains.screw.centre, on_nut - chains.nut.centre]
     return chains.regularisation * _largest(offsets) > _REGULARISATION_SHARE * chains.typical_force
 
 

@@ -20,13 +20,15 @@ from ..mechanism import LoadSharing, Stage, material_of, nut_outer_radius
 from ..numerics import largest, smallest
 from ._chains import Chains, Flanks
 from ._flank_law import flank_approach, flank_force
+from ._roller_bending import roller_shapes
 from ._yamamoto import ToothCompliance, tooth_compliance
 from .part_errors import (
     GapOpening,
     Places,
     contact_places,
-    free_nut_coupling,
+    free_nut_displacements,
     gap_opening,
+    joined,
 )
 
 #: Stiffness of the regularising springs over that of a typical contact, in double and single
@@ -268,8 +270,9 @@ def regularised(
             span = jnp.maximum(span, largest(jnp.abs(play)))
             reach = jnp.maximum(reach, -smallest(play) / 2)
     force = (jnp.abs(load) + jnp.abs(preload)) / (jnp.sum(chains.weight) * count)
-    if chains.free_nut is not None:
-        force = force + jnp.sum(jnp.abs(chains.free_nut.load)) / (jnp.sum(chains.weight) * count)
+    if chains.displacements is not None:
+        loads = jnp.sum(jnp.abs(chains.displacements.load))
+        force = force + loads / (jnp.sum(chains.weight) * count)
     if deflection is not zero or chains.offset is not None or sides[0].reverse_gap is not None:
         for side in sides:
             pressed = jnp.broadcast_to(reach, (*chains.weight.shape, 1))
@@ -320,10 +323,13 @@ def stage_chains(
             return None
         return gap_opening(stage, errors, side, rollers, places)
 
-    free_nut = None
+    weight, both = _weights(stage, rollers, dtype), sharing.has_reverse_flanks
+    of_nut = of_rollers = None
     if sharing.free_nut is not None and places is not None:
-        both = sharing.has_reverse_flanks
-        free_nut = free_nut_coupling(stage, sharing.free_nut, places, both)
+        of_nut = free_nut_displacements(stage, sharing.free_nut, places, both)
+    if sharing.roller_bending is not None:
+        threads = sharing.thread_count
+        of_rollers = roller_shapes(stage, sharing.roller_bending, weight, places, threads, both)
     flanks = [
         _flanks(stage, side, unit, frame, rollers, teeth, opening_of(side))
         for side, unit, frame in zip(("screw", "nut"), units, frames, strict=True)
@@ -340,7 +346,7 @@ def stage_chains(
         if spacer is not None:
             compliances["nut"] = compliances["nut"].at[split].set(1 / spacer)
     chains = Chains(
-        weight=_weights(stage, rollers, dtype),
+        weight=weight,
         screw=flanks[0],
         nut=flanks[1],
         screw_segment=compliances["screw"],
@@ -352,7 +358,7 @@ def stage_chains(
         offset=offset,
         split=split,
         same_end=sharing.mounting == "same_end",
-        free_nut=free_nut,
+        displacements=joined(of_nut, of_rollers),
     )
     meshed = jnp.asarray(True) if meshing is None else meshing.converged
     normals = [frame.normal_per_axial for frame in frames]

@@ -105,6 +105,7 @@ from .parts import (
     RayleighDamping as RayleighDamping,
     RingGear as RingGear,
     Roller as Roller,
+    RollerBending as RollerBending,
     RollerScrewType as RollerScrewType,
     Screw as Screw,
     ScrewShaft as ScrewShaft,

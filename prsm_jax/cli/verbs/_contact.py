@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array
 
 from ...contact import (
@@ -138,6 +139,7 @@ def load_sharing_results(
         "tangent_stiffness_n_per_m": shared.tangent_stiffness,
         "spacer_force_n": shared.spacer_force,
         **_across_results(shared),
+        **_bent_results(shared),
     }
 
 
@@ -151,6 +153,16 @@ def _across_results(shared: LoadDistribution) -> dict[str, Any]:
         "nut_overturning_moment_nm": shared.nut_overturning_moment,
         "nut_displacement_m": shared.nut_displacement,
         "nut_lean_rad": shared.nut_lean,
+    }
+
+
+def _bent_results(shared: LoadDistribution) -> dict[str, Any]:
+    """How rollers lean and bend, by the names of the JSON, a row per class of rollers."""
+    if shared.roller_lean is None or shared.roller_deflection is None:
+        return {}
+    return {
+        "roller_lean_rad": shared.roller_lean,
+        "roller_deflection_m": shared.roller_deflection,
     }
 
 
@@ -284,7 +296,17 @@ def _lines_of_sharing(number: int, shared: dict[str, Any] | None) -> list[Line]:
         lines.append(("force in the spacer", shared["spacer_force_n"], "N"))
     if "nut_radial_force_n" in shared:
         lines += _lines_across(shared)
+    if "roller_lean_rad" in shared:
+        largest = {name: np.max(np.abs(shared[name])) for name in _BENT}
+        lines += [(words, float(largest[name]), unit) for name, (words, unit) in _BENT.items()]
     return [(f"stage {number}: load sharing, {one[0]}", *one[1:]) for one in lines]
+
+
+#: Rows for rollers that lean and bend, by the names of the JSON.
+_BENT = {
+    "roller_lean_rad": ("largest lean of a roller", "rad"),
+    "roller_deflection_m": ("largest bending of a roller", "m"),
+}
 
 
 def _lines_across(shared: dict[str, Any]) -> list[Line]:

@@ -1,6 +1,11 @@
 """Errors of real parts and a free nut: what they do to the gaps, and the forces on the nut."""
 
-from ._free_nut import FreeNutCoupling as FreeNutCoupling, free_nut_coupling as free_nut_coupling
+from ._displacements import (
+    Displacements as Displacements,
+    SideCoupling as SideCoupling,
+    joined as joined,
+)
+from ._free_nut import free_nut_displacements as free_nut_displacements
 from ._openings import (
     GapOpening as GapOpening,
     error_names as error_names,

@@ -5,63 +5,14 @@ its thread. They minimise the same convex energy as all others, less the work of
 An elastic seat adds $\tfrac12 k\,(d_x^2 + d_y^2) + \tfrac12 k_\tau(\tau_x^2 + \tau_y^2)$.
 """
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ...fields import Scalar
 from ...mechanism import FreeNut, Stage
 from ...programs import physics
+from ._displacements import Displacements, SideCoupling
 from ._places import Places
-
-
-class FreeNutCoupling(eqx.Module):
-    """Change of the gaps on the nut side over the nut's displacements, and the load on the nut."""
-
-    #: Change of the approach of forward flanks (reverse ones: the opposite), with its sign turned.
-    axial: Float[Array, "4 rollers threads"]
-    #: Opening of both flanks; `None` where threads have one flank: then `axial` contains it.
-    radial: Float[Array, "4 rollers threads"] | None
-    #: Radial load, and moment over the radius of the nut's thread [N].
-    load: Float[Array, " 4"]
-    #: Stiffness of the seat over the displacements [N/m]; `None` without one.
-    seat: Float[Array, " 4"] | None = None
-
-    def unbalanced(
-        self,
-        displacement: Float[Array, " 4"],
-        force: Float[Array, "rollers threads"],
-        force_sum: Float[Array, "rollers threads"] | None,
-        springs: Scalar,
-    ) -> Float[Array, " 4"]:
-        """Slope of the energy over the displacements [N].
-
-        **Arguments:**
-
-        - `displacement`: of the nut.
-        - `force`, `force_sum`: on the nut side, net and of both flanks together [N].
-        - `springs`: stiffness of the regularising springs [N/m].
-        """
-        forces = jnp.tensordot(self.axial, force, axes=2)
-        if self.radial is not None:
-            assert force_sum is not None
-            forces = forces + jnp.tensordot(self.radial, force_sum, axes=2)
-        held = springs * displacement
-        if self.seat is not None:
-            held = held + self.seat * displacement
-        return held - forces - self.load
-
-    def stored(self, displacement: Float[Array, " 4"]) -> Scalar | float:
-        """Elastic energy in the seat [J]."""
-        return 0.0 if self.seat is None else jnp.sum(self.seat * displacement**2) / 2
-
-    def shift(self, displacement: Float[Array, " 4"]) -> Float[Array, "rollers threads"]:
-        """Decrease of the approach of the forward flanks [m]."""
-        return jnp.tensordot(displacement, self.axial, axes=1)
-
-    def opening(self, displacement: Float[Array, " 4"]) -> Float[Array, "rollers threads"] | float:
-        """Opening of both flanks [m]; 0 where threads have one."""
-        return 0.0 if self.radial is None else jnp.tensordot(displacement, self.radial, axes=1)
 
 
 def directions(places: Places) -> Float[Array, "2 rollers 1"]:
@@ -100,8 +51,8 @@ def _seat(stage: Stage, nut: FreeNut, dtype) -> Float[Array, " 4"]:
 
 
 @physics("free_nut")
-def free_nut_coupling(stage: Stage, nut: FreeNut, places: Places, both: bool) -> FreeNutCoupling:
-    """The coupling of a free nut to its contacts.
+def free_nut_displacements(stage: Stage, nut: FreeNut, places: Places, both: bool) -> Displacements:
+    """Displacements of a free nut sideways, and its leans times its radius.
 
     **Arguments:**
 
@@ -116,7 +67,6 @@ def free_nut_coupling(stage: Stage, nut: FreeNut, places: Places, both: bool) ->
     moment = _vector(nut.overturning_moment, nut.overturning_moment_angle, dtype)
     load = jnp.concatenate([force, moment / stage.thread.nut_radius])
     given = nut.radial_stiffness is not None or nut.tilting_stiffness is not None
-    seat = _seat(stage, nut, dtype) if given else None
-    if both:
-        return FreeNutCoupling(axial, radial, load, seat)
-    return FreeNutCoupling(axial + radial, None, load, seat)
+    seat = jnp.diag(_seat(stage, nut, dtype)) if given else None
+    side = SideCoupling(axial, radial) if both else SideCoupling(axial + radial, None)
+    return Displacements(side, None, load, seat)

@@ -47,6 +47,7 @@ from ._family import (
 from ._line_contact import LineContact as LineContact
 from ._load_sharing import (
     LoadSharing as LoadSharing,
+    RollerBending as RollerBending,
     SplitNut as SplitNut,
     ThreadTooth as ThreadTooth,
 )

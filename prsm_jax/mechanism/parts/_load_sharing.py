@@ -6,6 +6,7 @@ from ...fields import (
     ANY,
     NOT_NEGATIVE,
     POSITIVE,
+    SHAPES,
     THREADS,
     Limit,
     Limited,
@@ -73,6 +74,28 @@ class SplitNut(Limited):
         if (self.preload is None) == (self.offset is None):
             state = "both" if self.preload is not None else "neither"
             raise ValueError(f"split_nut needs either preload or offset; it has {state}")
+
+
+class RollerBending(Limited):
+    """Rollers that lean and bend in the plane through the axes of screw and roller.
+
+    Screw and nut press a roller on opposite sides of its axis, so its load tilts it, and the
+    difference of the forces along it bends it. Its support, by carriers and ring gears, resists the
+    lean of the line through its ends; the roller itself resists bending by its section.
+
+    Static: `shapes`, and whether a support is given.
+    """
+
+    tilting_stiffness: OptionalNumber = optional_number(
+        "N·m/rad",
+        "stiffness of the support of one roller against its lean; free to lean when absent",
+        limit=POSITIVE,
+    )
+    shapes: int = choice(
+        "number of shapes of the deflection: 1 leans only, more bend the roller too",
+        default=8,
+        limit=SHAPES,
+    )
 
 
 def _gap(description: str, limit: Limit) -> Any:
@@ -149,6 +172,9 @@ class LoadSharing(Limited):
     )
     part_errors: PartErrors | None = part(
         "nut and screw are coaxial, and rollers have equal diameters"
+    )
+    roller_bending: RollerBending | None = part(
+        "rollers neither lean nor bend: what turns them over is held at their ends"
     )
     free_nut: FreeNut | None = part("the nut is held: it neither moves sideways nor leans")
 

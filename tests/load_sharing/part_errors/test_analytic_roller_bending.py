@@ -1,0 +1,315 @@
+"""Rollers that lean and bend: a beam of finite elements, balances, closed forms and limits."""
+
+import dataclasses
+from typing import Any
+
+import equinox as eqx
+import jax
+import numpy as np
+import pytest
+from error_scenes import ERRORS, FREE, stage_with
+from numpy.polynomial.legendre import Legendre
+from scenes import array
+from scipy.optimize import root
+from sharing_scenes import sharing_stage
+
+import prsm_jax as prsm
+from prsm_jax.load_sharing import stage_load_distribution
+from prsm_jax.mechanism import RollerBending, material_of
+
+LOAD = 7e3
+#: Near what the roller's own bending resists [N·m/rad].
+SUPPORT = 2e4
+
+
+@eqx.filter_jit
+def _shared(stage, load):
+    return stage_load_distribution(stage, load)
+
+
+def _stage(support=None, shapes=8, length=None, **more) -> Any:
+    held = None if support is None else array(support)
+    stage: Any = sharing_stage()
+    sharing = dataclasses.replace(
+        stage.load_sharing, roller_bending=RollerBending(held, shapes), **more
+    )
+    roller = stage.roller
+    if length is not None:
+        roller = dataclasses.replace(roller, length=array(length))
+    return dataclasses.replace(stage, load_sharing=sharing, roller=roller)
+
+
+def _found(stage, load=LOAD) -> Any:
+    found = _shared(stage, array(load))
+    assert bool(found.converged)
+    return found
+
+
+def _bending_stiffness(stage):
+    """E I of the section between bore and root, from the numbers of the stage."""
+    tooth = stage.load_sharing.tooth
+    outer = float(stage.thread.roller_radius) - (
+        0.0 if tooth is None else float(tooth.roller_dedendum)
+    )
+    inner = 0.0 if stage.roller.bore_radius is None else float(stage.roller.bore_radius)
+    modulus = float(material_of(stage, "roller").youngs_modulus)
+    return modulus * np.pi / 4 * (outer**4 - inner**4)
+
+
+def _places(stage):
+    count = stage.load_sharing.thread_count
+    return float(stage.thread.pitch) * (np.arange(count) - (count - 1) / 2)
+
+
+class FiniteElements:
+    """One of equal rollers as a beam of cubic elements, a node per thread, and its chains."""
+
+    def __init__(self, stage, found, support, load=LOAD):
+        self.z, self.load, chains = _places(stage), load, found.chains
+        count = len(self.z)
+        self.count, self.rollers = count, float(chains.weight[0])
+        self.slope = np.tan(float(stage.thread.flank_angle))
+        self.radius = float(stage.thread.roller_radius)
+        self.compliances = [
+            (float(side.hertz[0, 0]), float(side.tooth[0, 0]))
+            for side in (chains.screw, chains.nut)
+        ]
+        self.segments = [
+            1 / float(one[0])
+            for one in (chains.screw_segment, chains.roller_segment, chains.nut_segment)
+        ]
+        pitch = float(stage.thread.pitch)
+        length = stage.roller.length
+        half = count * pitch / 2 if length is None else float(length) / 2
+        end = max(half - self.z[-1], pitch / 2)
+        # Nodes at both ends of the roller, too.
+        self.nodes = np.concatenate([[self.z[0] - end], self.z, [self.z[-1] + end]])
+        self.beam = self._beam(_bending_stiffness(stage))
+        if support is not None:
+            ends = np.zeros(len(self.beam))
+            ends[0], ends[-2] = -1.0, 1.0
+            self.beam += support / np.ptp(self.nodes) ** 2 * np.outer(ends, ends)
+        self._solve()
+
+    def _beam(self, bending):
+        size = 2 * len(self.nodes)
+        matrix = np.zeros((size, size))
+        for at, h in enumerate(np.diff(self.nodes)):
+            element = np.array(
+                [
+                    [12, 6 * h, -12, 6 * h],
+                    [6 * h, 4 * h**2, -6 * h, 2 * h**2],
+                    [-12, -6 * h, 12, -6 * h],
+                    [6 * h, 2 * h**2, -6 * h, 4 * h**2],
+                ]
+            )
+            matrix[2 * at : 2 * at + 4, 2 * at : 2 * at + 4] += bending / h**3 * element
+        return matrix
+
+    def _force(self, approach, hertz, tooth):
+        """Root of c f + b f^{2/3} = δ."""
+        delta = np.maximum(approach, 0.0)
+        cube = np.sqrt(delta / hertz)
+        for _ in range(60):
+            slope = 3 * tooth * cube**2 + 2 * hertz * cube
+            error = tooth * cube**3 + hertz * cube**2 - delta
+            cube = cube - np.divide(error, slope, out=np.zeros_like(cube), where=slope > 0)
+        return cube**3
+
+    def _residual(self, unknown):
+        n = self.count
+        screw, roller, nut = np.split(1e-6 * unknown[: 3 * n], 3)
+        # One end stays: a shift of the whole roller changes nothing.
+        beam = np.concatenate([[0.0], 1e-6 * unknown[3 * n :]])
+        moved, lean = beam[2:-2:2], beam[3:-2:2]
+        on_screw = self._force(
+            screw - roller - self.slope * moved - self.radius * lean, *self.compliances[0]
+        )
+        on_nut = self._force(
+            roller - nut + self.slope * moved - self.radius * lean, *self.compliances[1]
+        )
+        self.screw_force, self.nut_force = on_screw, on_nut
+        count = self.rollers
+        out = [count * on_screw, count * (on_nut - on_screw), -count * on_nut]
+        for row, place, stiffness, many in zip(
+            out, (screw, roller, nut), self.segments, (1.0, count, 1.0), strict=True
+        ):
+            shaft = many * stiffness * np.diff(place)
+            row[:-1] -= shaft
+            row[1:] += shaft
+        out[0][0] -= self.load
+        # The nut is held at the end where the force enters the screw.
+        out[2][0] = 1e9 * nut[0]
+        bent = self.beam @ beam
+        bent[2:-2:2] -= self.slope * (on_screw - on_nut)
+        bent[3:-2:2] -= self.radius * (on_screw + on_nut)
+        return np.concatenate([*out, bent[1:] / 1e-3]) / self.load
+
+    def _solve(self):
+        start = np.zeros(3 * self.count + 2 * len(self.nodes) - 1)
+        start[: self.count], start[self.count : 2 * self.count] = 12.0, 6.0
+        solved = root(self._residual, start, method="lm", options={"xtol": 1e-14, "ftol": 1e-14})
+        self.error = np.abs(self._residual(solved.x)).max()
+
+
+@pytest.mark.parametrize("support", [None, SUPPORT])
+@pytest.mark.parametrize("length", [None, 60e-3])
+def test_against_finite_elements(support, length):
+    """Cubic elements are exact between threads; of eight shapes a thousandth is left."""
+    stage = _stage(support, length=length)
+    found = _found(stage)
+    own = FiniteElements(stage, found, support)
+    assert own.error < 1e-10
+    for force, side in ((own.screw_force, found.screw), (own.nut_force, found.nut)):
+        loads = np.asarray(side.forward[0])
+        np.testing.assert_allclose(loads, force, atol=2e-3 * force.max())
+        # The table changes far more than that.
+        plain = _found(sharing_stage())
+        assert np.max(np.abs(np.asarray(plain.screw.forward[0]) - own.screw_force)) > 5.0
+
+
+def test_more_shapes_are_closer_to_the_beam():
+    stage = _stage()
+    own = FiniteElements(stage, _found(stage), None)
+    errors = []
+    for shapes in (3, 5, 8, 12):
+        loads = np.asarray(_found(_stage(shapes=shapes)).screw.forward[0])
+        errors.append(np.abs(loads - own.screw_force).max() / own.screw_force.max())
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < 1e-3 < errors[0]
+
+
+@pytest.mark.parametrize("shapes", [1, 8])
+@pytest.mark.parametrize("backlash", [None, 3e-6])
+def test_a_free_roller_carries_its_moment_by_shifted_loads(shapes, backlash):
+    """2 r F = F tan α Δz: the forces of the nut act 2 r / tan α beyond those of the screw."""
+    play = {} if backlash is None else {"backlash": array(backlash)}
+    stage = _stage(shapes=shapes, **play)
+    found, z = _found(stage), _places(stage)
+    centre = [np.sum(z * s.forward[0]) / np.sum(s.forward[0]) for s in (found.screw, found.nut)]
+    distance = 2 * float(stage.thread.roller_radius) / np.tan(float(stage.thread.flank_angle))
+    assert centre[1] - centre[0] == pytest.approx(distance, rel=1e-8)
+
+
+def _unbalanced(stage, found, support, weight, z, at):
+    """Slope of the energy over each shape of one class, by NumPy's polynomials [N]."""
+    thread, bending = stage.thread, _bending_stiffness(stage)
+    half = float(thread.pitch) * z.shape[-1] / 2
+    forces = []
+    for side in (found.screw, found.nut):
+        back = 0.0 if side.reverse is None else np.asarray(side.reverse[at])
+        ahead = np.asarray(side.forward[at])
+        forces.append((ahead - back, ahead + back))
+    (screw, screw_sum), (nut, nut_sum) = forces
+    shapes = stage.load_sharing.roller_bending.shapes
+    basis = [Legendre.basis(m) - Legendre.basis(m % 2) * float(m > 1) for m in range(1, shapes + 1)]
+    start = 4 if stage.load_sharing.free_nut is not None else 0
+    amplitudes = np.asarray(found.equilibrium.state.displacements)[start:].reshape(-1, shapes)[at]
+    bow = sum(a * one for a, one in zip(amplitudes, basis, strict=True)).deriv(2)
+    slope, radius = np.tan(float(thread.flank_angle)), float(thread.roller_radius)
+    residual = []
+    for one in basis:
+        value, lean = one(z / half), one.deriv()(z / half) / half
+        energy = (bow * one.deriv(2)).integ()
+        held = bending / half**3 * (energy(1) - energy(-1))
+        pressed = slope * value * (screw_sum - nut_sum) + radius * lean * (screw + nut)
+        residual.append(weight * (held - pressed.sum()))
+    lean = amplitudes[0] / half
+    assert float(found.roller_lean[at]) == pytest.approx(lean, rel=1e-12)
+    bent = sum(a * one for a, one in zip(amplitudes[1:], basis[1:], strict=True))
+    np.testing.assert_allclose(found.roller_deflection[at], bent(z / half), rtol=1e-9, atol=1e-15)
+    residual[0] += weight * support * lean / half
+    return np.array(residual)
+
+
+def test_two_flanks_under_preload_balance_in_every_shape():
+    """A split nut presses both flanks of the screw's threads."""
+    split = prsm.mechanism.SplitNut(after_thread=10, preload=array(2e3))
+    stage = _stage(SUPPORT, split_nut=split)
+    found = _found(stage, 500.0)
+    assert float(np.min(np.sum(found.screw.reverse, axis=1))) > 1.0
+    residual = _unbalanced(stage, found, SUPPORT, 1.0, _places(stage), 0)
+    assert np.abs(residual).max() < 1e-8 * float(np.sum(found.screw.forward))
+
+
+def test_rollers_that_differ_balance_one_by_one():
+    """All errors of parts, a free nut, and six rollers that lean and bend."""
+    stage = stage_with(
+        ERRORS, free_nut=FREE, roller_bending=RollerBending(array(SUPPORT), 4), backlash=array(5e-6)
+    )
+    found = _found(stage)
+    places = np.asarray(found.contact_place)
+    for at, z in enumerate(places):
+        residual = _unbalanced(stage, found, SUPPORT, 1.0, z, at)
+        assert np.abs(residual).max() < 1e-8 * LOAD
+    assert np.ptp(np.asarray(found.roller_lean)) > 1e-6
+
+
+def test_a_stiff_support_and_a_rigid_roller_change_nothing():
+    """Support 1e12 times as stiff as the contacts; one shape is a lean without bending."""
+    plain, found = _found(sharing_stage()), _found(_stage(1e18, shapes=1))
+    loads = np.asarray(plain.screw.forward)
+    np.testing.assert_allclose(found.screw.forward, loads, rtol=1e-12)
+    assert float(found.deflection) == pytest.approx(float(plain.deflection), rel=1e-12)
+
+
+@pytest.mark.parametrize("support", [1e-9, SUPPORT, 1e18])
+@pytest.mark.parametrize("modulus", [1e-3, 1.0, 1e9])
+def test_extreme_stiffnesses(support, modulus):
+    """A roller as soft as rubber or a billion times as stiff as steel still balances."""
+    stage = _stage(support)
+    material = material_of(stage, "roller")
+    scaled = dataclasses.replace(material, youngs_modulus=modulus * material.youngs_modulus)
+    # Only the beam: contacts and shafts stay those of steel.
+    sharing = dataclasses.replace(stage.load_sharing, roller_segment_stiffness=array(1e9))
+    roller = dataclasses.replace(stage.roller, material=scaled)
+    found = _found(dataclasses.replace(stage, load_sharing=sharing, roller=roller))
+    assert np.isfinite(np.asarray(found.screw.forward)).all()
+
+
+@eqx.filter_jit
+def _of_energy(stage, load):
+    def stored(f):
+        return stage_load_distribution(stage, f).stored_energy
+
+    return jax.grad(stored)(load), stage_load_distribution(stage, load)
+
+
+def test_the_energy_is_the_work_of_the_load():
+    """dU/dF = F dx/dF: the energy of bending and of the support is counted once."""
+    stage = _stage(SUPPORT)
+    slope, found = _of_energy(stage, array(LOAD))
+    assert float(slope) == pytest.approx(LOAD / float(found.tangent_stiffness), rel=1e-9)
+
+
+def _numbers(values, stage):
+    """Loads of the first thread, lean and bending at a support, a radius, and a load."""
+    support, radius, load = values
+    one = eqx.tree_at(
+        lambda s: (s.load_sharing.roller_bending.tilting_stiffness, s.thread.roller_radius),
+        stage,
+        (support, radius),
+    )
+    found = stage_load_distribution(one, load)
+    bent = found.roller_deflection[0, 0] * 1e9
+    return jax.numpy.stack([found.screw.forward[0, 0], found.roller_lean[0] * 1e6, bent])
+
+
+@eqx.filter_jit
+def _derivatives(values, stage):
+    function = lambda v: _numbers(v, stage)  # noqa: E731
+    return function(values), jax.jacfwd(function)(values), jax.jacrev(function)(values)
+
+
+def test_gradients():
+    """Forward and reverse against central differences; steps leave 1e-7 of rounding."""
+    stage = _stage(SUPPORT)
+    values = jax.numpy.stack([array(SUPPORT), stage.thread.roller_radius, array(LOAD)])
+    _, forward, reverse = _derivatives(values, stage)
+    np.testing.assert_allclose(forward, reverse, rtol=1e-9, atol=1e-9 * np.abs(forward).max())
+    for at, value in enumerate(values):
+        step = 1e-4 * float(value)
+        up, down = (
+            np.asarray(_derivatives(values.at[at].add(sign * step), stage)[0]) for sign in (1, -1)
+        )
+        np.testing.assert_allclose(forward[:, at], (up - down) / (2 * step), rtol=2e-6)
