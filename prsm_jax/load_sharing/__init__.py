@@ -3,7 +3,6 @@
 from ._chains import (
     Chains as Chains,
     Control as Control,
-    Flanks as Flanks,
     State as State,
     residual as residual,
 )
@@ -17,6 +16,7 @@ from ._distribution import (
 )
 from ._equilibrium import Equilibrium as Equilibrium, equilibrium as equilibrium
 from ._flank_law import flank_approach as flank_approach, flank_force as flank_force
+from ._flanks import Flanks as Flanks
 from ._force_deflection import (
     ForceDeflection as ForceDeflection,
     force_deflection as force_deflection,

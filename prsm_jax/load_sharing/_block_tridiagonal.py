@@ -14,7 +14,8 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
-from ._chains import Chains, Control, State, Teeth
+from ._chains import Chains, Control, State
+from ._flanks import Teeth
 from ._large_block_tridiagonal import BlockTridiagonal, eliminate as eliminate_large, gauss_jordan
 
 #: Largest matrix of a thread that is written out number by number, which is fast in batches.

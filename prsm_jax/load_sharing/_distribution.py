@@ -18,7 +18,6 @@ from ._block_tridiagonal import control_column
 from ._chains import (
     Chains,
     Control,
-    Loads,
     State,
     deflection_of,
     flank_loads,
@@ -26,6 +25,7 @@ from ._chains import (
     stored_energy,
 )
 from ._equilibrium import Equilibrium, equilibrium, linear_response
+from ._flanks import Loads
 from ._roller_bending import deflected
 from ._side_loads import SideLoads, side_loads
 from ._stage_chains import (

@@ -21,13 +21,13 @@ from ._chains import (
     Chains,
     Control,
     State,
-    Teeth,
     balance,
     forces_and_slopes,
     residual,
     tooth_approaches,
 )
 from ._flank_law import flank_approach
+from ._flanks import Teeth
 
 #: A step is cut while more than this share of the energy's slope along it remains.
 _SLOPE_LEFT = 0.5

@@ -14,9 +14,10 @@ the gaps open by
 $$v\tan\alpha + r_R v' \quad\text{(screw)}, \qquad -v\tan\alpha + r_R v' \quad\text{(nut)},$$
 
 as those of a roller that leans as a whole. The energy of Euler and Bernoulli's beam is
-$\tfrac12 E I \int v''^2 dz$, and a support against the lean $\psi = a_1/h$ adds
-$\tfrac12 k_\tau \psi^2$, with both ends of the roller, as cantilevers, in series. A radial shift of the whole roller is an unknown of the chains where
-threads have two flanks; with one flank it changes nothing.
+$\tfrac12 E I \int v''^2 dz$. A support against the lean $\psi = a_1/h$ adds
+$\tfrac12 k_\tau \psi^2$, with both ends of the roller, as cantilevers, in series. A radial shift
+of the whole roller is an unknown of the chains where threads have two flanks; with one flank it
+changes nothing.
 """
 
 import jax.numpy as jnp

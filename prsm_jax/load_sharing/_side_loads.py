@@ -9,7 +9,7 @@ from ..fields import In, Scalar
 from ..numerics import above_or_nan, cube_root_or_zero, root_or_zero
 from ..programs import mapped
 from ..results import DesignResult
-from ._chains import Flanks, Loads
+from ._flanks import Flanks, Loads
 from ._stage_chains import StageChains
 
 #: Share of a typical force, in double and single precision, below which a force counts as 0: well

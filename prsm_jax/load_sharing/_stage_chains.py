@@ -18,8 +18,9 @@ from ..fields import CountOrTraced, Scalar
 from ..geometry import Meshing
 from ..mechanism import LoadSharing, Stage, material_of, nut_outer_radius
 from ..numerics import largest, smallest
-from ._chains import Chains, Flanks
+from ._chains import Chains
 from ._flank_law import flank_approach, flank_force
+from ._flanks import Flanks
 from ._roller_bending import roller_shapes
 from ._yamamoto import ToothCompliance, tooth_compliance
 from .part_errors import (

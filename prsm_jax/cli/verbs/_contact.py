@@ -297,16 +297,16 @@ def _lines_of_sharing(number: int, shared: dict[str, Any] | None) -> list[Line]:
     if "nut_radial_force_n" in shared:
         lines += _lines_across(shared)
     if "roller_lean_rad" in shared:
-        largest = {name: np.max(np.abs(shared[name])) for name in _BENT}
-        lines += [(words, float(largest[name]), unit) for name, (words, unit) in _BENT.items()]
+        lines += _lines_bent(shared)
     return [(f"stage {number}: load sharing, {one[0]}", *one[1:]) for one in lines]
 
 
-#: Rows for rollers that lean and bend, by the names of the JSON.
-_BENT = {
-    "roller_lean_rad": ("largest lean of a roller", "rad"),
-    "roller_deflection_m": ("largest bending of a roller", "m"),
-}
+def _lines_bent(shared: dict[str, Any]) -> list[Line]:
+    """The largest lean and the largest bending of a roller."""
+    lean, bow = (
+        float(np.max(np.abs(shared[name]))) for name in ("roller_lean_rad", "roller_deflection_m")
+    )
+    return [("largest lean of a roller", lean, "rad"), ("largest bending of a roller", bow, "m")]
 
 
 def _lines_across(shared: dict[str, Any]) -> list[Line]:

@@ -88,8 +88,10 @@ def joined(first: Displacements | None, second: Displacements | None) -> Displac
     """Both kinds of displacements, the first in front."""
     if first is None or second is None:
         return second if first is None else first
+    nut = _joined_sides(first.nut, second.nut, first.count, second.count)
+    assert nut is not None
     return Displacements(
-        _joined_sides(first.nut, second.nut, first.count, second.count),
+        nut,
         _joined_sides(first.screw, second.screw, first.count, second.count),
         jnp.concatenate([first.load, second.load]),
         _blocks(first, second),

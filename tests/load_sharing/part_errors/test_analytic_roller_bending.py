@@ -14,6 +14,8 @@ from scipy.optimize import root
 from sharing_scenes import sharing_stage
 
 import prsm_jax as prsm
+from prsm_jax import file
+from prsm_jax.cli.verbs._contact import _bent_results as bent_results, _lines_bent as lines_bent
 from prsm_jax.load_sharing import stage_load_distribution
 from prsm_jax.mechanism import RollerBending, material_of
 
@@ -52,8 +54,8 @@ def _bending_stiffness(stage):
         0.0 if tooth is None else float(tooth.roller_dedendum)
     )
     inner = 0.0 if stage.roller.bore_radius is None else float(stage.roller.bore_radius)
-    modulus = float(material_of(stage, "roller").youngs_modulus)
-    return modulus * np.pi / 4 * (outer**4 - inner**4)
+    modulus: Any = material_of(stage, "roller").youngs_modulus
+    return float(modulus) * np.pi / 4 * (outer**4 - inner**4)
 
 
 def _places(stage):
@@ -155,14 +157,14 @@ class FiniteElements:
 @pytest.mark.parametrize("support", [None, SUPPORT])
 @pytest.mark.parametrize("length", [None, 60e-3])
 def test_against_finite_elements(support, length):
-    """Cubic elements are exact between threads; of eight shapes a thousandth is left."""
+    """Cubic elements are exact for forces at nodes; eight shapes leave 4e-4."""
     stage = _stage(support, length=length)
     found = _found(stage)
     own = FiniteElements(stage, found, support)
     assert own.error < 1e-10
     for force, side in ((own.screw_force, found.screw), (own.nut_force, found.nut)):
         loads = np.asarray(side.forward[0])
-        np.testing.assert_allclose(loads, force, atol=2e-3 * force.max())
+        np.testing.assert_allclose(loads, force, atol=1e-3 * force.max())
         # The table changes far more than that.
         plain = _found(sharing_stage())
         assert np.max(np.abs(np.asarray(plain.screw.forward[0]) - own.screw_force)) > 5.0
@@ -191,7 +193,7 @@ def test_a_free_roller_carries_its_moment_by_shifted_loads(shapes, backlash):
     assert centre[1] - centre[0] == pytest.approx(distance, rel=1e-8)
 
 
-def _unbalanced(stage, found, support, weight, z, at):
+def _unbalanced(stage: Any, found, support, weight, z, at):
     """Slope of the energy over each shape of one class, by NumPy's polynomials [N]."""
     thread, bending = stage.thread, _bending_stiffness(stage)
     half = float(thread.pitch) * z.shape[-1] / 2
@@ -202,10 +204,12 @@ def _unbalanced(stage, found, support, weight, z, at):
         forces.append((ahead - back, ahead + back))
     (screw, screw_sum), (nut, nut_sum) = forces
     shapes = stage.load_sharing.roller_bending.shapes
-    basis = [Legendre.basis(m) - Legendre.basis(m % 2) * float(m > 1) for m in range(1, shapes + 1)]
+    basis: list[Any] = [
+        Legendre.basis(m) - Legendre.basis(m % 2) * float(m > 1) for m in range(1, shapes + 1)
+    ]
     start = 4 if stage.load_sharing.free_nut is not None else 0
     amplitudes = np.asarray(found.equilibrium.state.displacements)[start:].reshape(-1, shapes)[at]
-    bow = sum(a * one for a, one in zip(amplitudes, basis, strict=True)).deriv(2)
+    bow: Any = sum(a * one for a, one in zip(amplitudes, basis, strict=True)).deriv(2)
     slope, radius = np.tan(float(thread.flank_angle)), float(thread.roller_radius)
     residual = []
     for one in basis:
@@ -216,7 +220,7 @@ def _unbalanced(stage, found, support, weight, z, at):
         residual.append(weight * (held - pressed.sum()))
     lean = amplitudes[0] / half
     assert float(found.roller_lean[at]) == pytest.approx(lean, rel=1e-12)
-    bent = sum(a * one for a, one in zip(amplitudes[1:], basis[1:], strict=True))
+    bent: Any = sum(a * one for a, one in zip(amplitudes[1:], basis[1:], strict=True))
     np.testing.assert_allclose(found.roller_deflection[at], bent(z / half), rtol=1e-9, atol=1e-15)
     residual[0] += weight * support * lean / half
     return np.array(residual)
@@ -268,7 +272,7 @@ def test_extreme_stiffnesses(support, modulus):
 
 
 @eqx.filter_jit
-def _of_energy(stage, load):
+def _of_energy(stage, load) -> Any:
     def stored(f):
         return stage_load_distribution(stage, f).stored_energy
 
@@ -282,7 +286,7 @@ def test_the_energy_is_the_work_of_the_load():
     assert float(slope) == pytest.approx(LOAD / float(found.tangent_stiffness), rel=1e-9)
 
 
-def _numbers(values, stage):
+def _numbers(values, stage) -> Any:
     """Loads of the first thread, lean and bending at a support, a radius, and a load."""
     support, radius, load = values
     one = eqx.tree_at(
@@ -313,3 +317,36 @@ def test_gradients():
             np.asarray(_derivatives(values.at[at].add(sign * step), stage)[0]) for sign in (1, -1)
         )
         np.testing.assert_allclose(forward[:, at], (up - down) / (2 * step), rtol=2e-6)
+
+
+_TABLE = """
+[stage.load_sharing.roller_bending]
+tilting_stiffness = "20 kN m/rad"
+shapes = 5
+"""
+
+
+def test_lean_and_bending_are_printed():
+    """Of rollers that differ the largest of either sign; JSON has a row per class."""
+    found = _found(_stage(SUPPORT))
+    keys = {"roller_lean_rad": found.roller_lean, "roller_deflection_m": found.roller_deflection}
+    results = bent_results(found)
+    assert results.keys() == keys.keys()
+    assert all(results[name] is value for name, value in keys.items())
+    assert bent_results(_found(sharing_stage())) == {}
+    rows = {"roller_lean_rad": [1e-4, -3e-4], "roller_deflection_m": [[1e-6, -2e-6], [0.0, 1e-6]]}
+    assert [(value, unit) for _, value, unit in lines_bent(rows)] == [(3e-4, "rad"), (2e-6, "m")]
+
+
+def test_a_file_and_its_way_back(tmp_path):
+    text = file.example_text("actuator")
+    end = text.index("\n\n", text.index("[stage.load_sharing]"))
+    path = tmp_path / "bent.toml"
+    path.write_text(text[: end + 1] + _TABLE + text[end + 1 :], encoding="utf-8")
+    mechanism: Any = prsm.load(path)
+    bending = mechanism.stages[0].load_sharing.roller_bending
+    assert (float(bending.tilting_stiffness), bending.shapes) == (2e4, 5)
+    again: Any = file.loads(file.dumps(mechanism)).stages[0].load_sharing
+    assert again.roller_bending.shapes == 5
+    with pytest.raises(ValueError, match="whole number from 1 to 16"):
+        file.loads(path.read_text(encoding="utf-8").replace("shapes = 5", "shapes = 17"))
