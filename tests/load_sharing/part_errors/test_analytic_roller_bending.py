@@ -209,7 +209,8 @@ def _unbalanced(stage: Any, found, support, weight, z, at):
     ]
     start = 4 if stage.load_sharing.free_nut is not None else 0
     amplitudes = np.asarray(found.equilibrium.state.displacements)[start:].reshape(-1, shapes)[at]
-    bow: Any = sum(a * one for a, one in zip(amplitudes, basis, strict=True)).deriv(2)
+    whole: Any = sum(a * one for a, one in zip(amplitudes, basis, strict=True))
+    bow = whole.deriv(2)
     slope, radius = np.tan(float(thread.flank_angle)), float(thread.roller_radius)
     residual = []
     for one in basis:
