@@ -158,6 +158,18 @@ def equal_contacts(stage: Stage) -> str | None:
     )
 
 
+@assumption("held_rollers")
+def held_rollers(stage: Stage) -> str | None:
+    """For loads of threads that are computed."""
+    if stage.load_sharing is None or stage.load_sharing.roller_bending is not None:
+        return None
+    return (
+        "For the loads of threads, rollers neither lean nor bend: what holds their ends is rigid. "
+        "On rollers in a softer support the first threads carry more; "
+        "[stage.load_sharing.roller_bending] computes it."
+    )
+
+
 @assumption("equal_friction")
 def equal_friction(stage: Stage) -> str | None:
     """For spin and rolling losses, which depend on the contact ellipses."""

@@ -54,6 +54,19 @@ def _equal(mechanism, *names):
     return [one for one in prsm.assumptions(mechanism, names) if EQUAL in one]
 
 
+@pytest.mark.parametrize("name", ["max_pressure_shared", "thread_sharing_factor_nut"])
+def test_computed_loads_rest_on_rollers_that_are_held(name):
+    mechanism = example("actuator")
+    (stage,) = mechanism.stages
+    words = "rollers neither lean nor bend"
+    assert any(words in one for one in prsm.assumptions(mechanism, [name]))
+    sharing = dataclasses.replace(stage.load_sharing, roller_bending=prsm.mechanism.RollerBending())
+    free = dataclasses.replace(stage, load_sharing=sharing)
+    found = prsm.assumptions(dataclasses.replace(mechanism, stages=(free,)), [name])
+    assert not any(words in one for one in found)
+    assert not any(words in one for one in prsm.assumptions(mechanism, ["screw_radius"]))
+
+
 @pytest.mark.parametrize("name", REST_ON_SHARES)
 def test_what_rests_on_equal_shares_says_so(name):
     (sentence,) = _equal(_design(), name)

@@ -12,7 +12,9 @@ from .._catalogue import quantity
 from .._nut_travel import elastic_of
 from .._onsets import truncated_pressure
 
-_by_stage = functools.partial(quantity, dimensions=("stage",), shares=("operating_point",))
+_by_stage = functools.partial(
+    quantity, dimensions=("stage",), shares=("operating_point",), assumes=("held_rollers",)
+)
 
 
 def _per_stage(analysis: Analysis, function):
@@ -91,7 +93,7 @@ def largest_thread_load(analysis: Analysis):
     "Pa",
     "largest pressure of all threads under the thread loads of [stage.load_sharing]; cut ellipses "
     "as in `max_pressure`",
-    assumes=("flanks_of_contacts",),
+    assumes=("held_rollers", "flanks_of_contacts"),
     shares=("operating_point",),
 )
 def max_pressure_shared(analysis: Analysis):
@@ -112,6 +114,7 @@ def max_pressure_shared(analysis: Analysis):
     "m",
     "axial deflection of the nut under the load, from its unloaded position: preloaded, or at the "
     "first contact after play and errors are taken up; sum of all stages",
+    assumes=("held_rollers",),
     shares=("operating_point", "none"),
 )
 def axial_deflection(analysis: Analysis):
