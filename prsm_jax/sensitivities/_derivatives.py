@@ -8,23 +8,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..fields import Scalar
-from ..mechanism import Mechanism, Parameter
+from ..mechanism import Mechanism, Parameter, written_out
 from ..quantities import compute_checked
 
 Mode: TypeAlias = Literal["auto", "forward", "reverse"]
-
-
-def _complete(mechanism: Mechanism, parameters: Sequence[Parameter]) -> Mechanism:
-    """The same mechanism, with a leaf for every number that the parameters set.
-
-    A number that follows from others while it is absent (the roller's profile radius) is set to
-    the expression that it follows from, so that its value and derivatives stay the same.
-    """
-    for parameter in parameters:
-        written = parameter.set(mechanism, parameter.get(mechanism))
-        if jax.tree.structure(written) != jax.tree.structure(mechanism):
-            mechanism = written
-    return mechanism
 
 
 def jacobian(
@@ -60,10 +47,16 @@ def jacobian(
 
     kept = {id(leaf) for leaf in jax.tree.leaves(mechanism)}
     moves: list[bool] = []
+    structure = jax.tree.structure(mechanism)
+    added = [
+        parameter.path
+        for parameter in parameters
+        if jax.tree.structure(parameter.set(mechanism, parameter.get(mechanism))) != structure
+    ]
 
     def direction(parameter: Parameter):
         def moved_to(value: Scalar) -> Mechanism:
-            moved = _complete(parameter.set(mechanism, value), parameters)
+            moved = written_out(parameter.set(mechanism, value), added)
             # A number that the parameter does not touch is the same object as before.
             here = [id(leaf) not in kept for leaf in jax.tree.leaves(moved)]
             moves[:] = map(max, moves, here) if moves else here

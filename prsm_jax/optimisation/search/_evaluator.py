@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -13,9 +12,9 @@ from ...findings import sources
 from ...mechanism import (
     DesignProblem,
     Mechanism,
-    find_parameters,
     set_parameters,
     with_traced_counts,
+    written_out,
 )
 from ...programs import stored_facts
 from ...quantities import compute
@@ -34,19 +33,6 @@ def _shapes(
 
     shapes = eqx.filter_eval_shape(computed, mechanism, speed, load)
     return {name: shapes[name].shape for name in quantities}
-
-
-def _written_out(mechanism: Mechanism, names: tuple[str, ...]) -> Mechanism:
-    """The same mechanism, in which every variable is a number of its own.
-
-    A variable that follows from others while it is absent (the roller's profile radius) is present
-    in the optimum. If it is written out here, too, the optimum is evaluated by the same programs.
-    """
-    for parameter in (one for name in names for one in find_parameters(mechanism, name)):
-        written = parameter.set(mechanism, parameter.get(mechanism))
-        if jax.tree.structure(written) != jax.tree.structure(mechanism):
-            mechanism = written
-    return mechanism
 
 
 class Point:
@@ -83,7 +69,8 @@ class Evaluator:
         terms = (*problem.objectives, *problem.constraints)
         self.quantities: tuple[str, ...] = tuple(dict.fromkeys(term.quantity for term in terms))
         scatter = scatter_of(mechanism, problem.tolerance_sigmas)
-        mechanism = _written_out(mechanism, names)
+        # The optimum, in which no variable follows from others, is evaluated by the same programs.
+        mechanism = written_out(mechanism, names)
         self.lower: np.ndarray = np.array([variable.lower for variable in problem.variables])
         upper = np.array([variable.upper for variable in problem.variables])
         self.width: np.ndarray = upper - self.lower
