@@ -17,7 +17,7 @@ from ...mechanism import (
     written_out,
 )
 from ...programs import stored_facts
-from ...quantities import compute
+from ...quantities import compute, find_quantity
 from ._margin_rows import WHOLE_SCALE, MarginRows, known_margins, probe_positions, sorted_margins
 from ._outputs import compiled_derivatives, compiled_values, scatter_of
 from ._rows import Rows
@@ -107,7 +107,14 @@ class Evaluator:
         if cases:
             some_speed, some_load = speeds[0], loads[0]
         shape_of = stored_facts(
-            "shapes", _shapes, mechanism, self.quantities, some_speed, some_load
+            "shapes",
+            _shapes,
+            mechanism,
+            self.quantities,
+            some_speed,
+            some_load,
+            # A name may be given to another quantity.
+            by=tuple(map(find_quantity, self.quantities)),
         )
         # A derived number that a variable makes explicit has margins too (the profile radius).
         written = set_parameters(
