@@ -196,7 +196,10 @@ def _kept_facts(
     function: Callable[..., Any], structure: Any, leaves: tuple[Any, ...], _by: Hashable
 ) -> Any:
     # With shapes in place of numbers: the facts do not depend on them, and nothing is kept alive.
-    return function(*jax.tree.unflatten(structure, leaves))
+    facts: list[Any] = []
+    given = jax.tree.unflatten(structure, leaves)
+    eqx.filter_eval_shape(lambda *traced: facts.append(function(*traced)), *given)
+    return facts[0]
 
 
 def _path(name: str, structure: Any, static: tuple[Any, ...]) -> Path | None:
