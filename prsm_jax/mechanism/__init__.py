@@ -66,6 +66,7 @@ from .parameters import (
     tolerance_zones as tolerance_zones,
     what_follows as what_follows,
     with_traced_counts as with_traced_counts,
+    written_out as written_out,
 )
 from .parts import (
     DISTRIBUTIONS as DISTRIBUTIONS,

@@ -15,7 +15,7 @@ import hashlib
 import os
 import pickle
 import platform
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Hashable
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -150,20 +150,24 @@ def run_stored(name: str, function: Callable[..., Any], *args: Any, words: str =
     return program(arrays)
 
 
-def stored_facts(name: str, function: Callable[..., _Facts], *args: Any) -> _Facts:
+def stored_facts(
+    name: str, function: Callable[..., _Facts], *args: Any, by: Hashable = None
+) -> _Facts:
     """Evaluate a function whose result depends on the structure of its arguments alone.
 
-    The result of tracing, such as shapes. A process that runs one verb keeps it for the next run.
+    The result of tracing, such as shapes, which takes seconds. A process that runs one verb keeps
+    it for the next run, any other process for the next call.
 
     **Arguments:**
 
     - `name`: names the function in the key.
     - `function`: returns words, numbers and containers of them; must not depend on numbers.
     - `args`: pytrees; leaves that are not arrays are static.
+    - `by`: what else the facts depend on that may change within a process.
     """
     folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
     if not (runs_one_verb() and folder and _is_known(args)):
-        return function(*args)
+        return _facts_of_this_process(function, args, by)
     leaves, structure = jax.tree.flatten(args)
     path = _path(f"facts of {name}", structure, tuple(map(_described, leaves)))
     if path is None:
@@ -173,6 +177,29 @@ def stored_facts(name: str, function: Callable[..., _Facts], *args: Any) -> _Fac
     facts = function(*args)
     _write(path, pickle.dumps(facts))
     return facts
+
+
+def _facts_of_this_process(
+    function: Callable[..., _Facts], args: tuple[Any, ...], by: Hashable
+) -> _Facts:
+    leaves, structure = jax.tree.flatten(eqx.filter_eval_shape(lambda *given: given, *args))
+    question = (function, structure, tuple(leaves), by)
+    try:
+        hash(question)
+    except TypeError:
+        return function(*args)
+    return _kept_facts(*question)
+
+
+@functools.lru_cache(maxsize=64)
+def _kept_facts(
+    function: Callable[..., Any], structure: Any, leaves: tuple[Any, ...], _by: Hashable
+) -> Any:
+    # With shapes in place of numbers: the facts do not depend on them, and nothing is kept alive.
+    facts: list[Any] = []
+    given = jax.tree.unflatten(structure, leaves)
+    eqx.filter_eval_shape(lambda *traced: facts.append(function(*traced)), *given)
+    return facts[0]
 
 
 def _path(name: str, structure: Any, static: tuple[Any, ...]) -> Path | None:

@@ -180,6 +180,31 @@ def test_facts_of_two_functions_with_the_same_arguments_are_kept_apart(one_verb)
     assert len(list(one_verb.iterdir())) == 2
 
 
+class _WithoutHash:
+    __hash__ = None  # pyright: ignore[reportAssignmentType]
+
+
+def test_facts_are_found_once_for_each_structure_in_a_process():
+    """Another number asks again for nothing; another structure, or what `by` says, asks anew."""
+    counted = []
+
+    def facts(mechanism):
+        counted.append(jax.tree.structure(mechanism))
+        return len(jax.tree.leaves(mechanism))
+
+    one, other = example("wu2022"), example("li2020_two_stage")
+    moved = prsm.set_parameter(one, "lead", 9e-3)
+    found = [_stored.stored_facts("facts", facts, given) for given in (one, moved, other, one)]
+    assert found == [len(jax.tree.leaves(given)) for given in (one, one, other, one)]
+    assert counted == [jax.tree.structure(one), jax.tree.structure(other)]
+    _stored.stored_facts("facts", facts, one, by="changed")
+    assert len(counted) == 3
+    # What has no hash cannot be compared with earlier questions.
+    for _ in range(2):
+        assert _stored.stored_facts("facts", facts, _WithoutHash()) == 1
+    assert len(counted) == 5
+
+
 def test_a_changed_entry_is_not_unpickled(one_verb):
     """Only bytes with the hash that was written beside them reach pickle."""
     mechanism = example("wu2022")

@@ -69,6 +69,28 @@ def test_gradients_against_central_differences(mode):
         assert error.max() < 1e-7, (name, error)
 
 
+@pytest.mark.parametrize("mode", ["forward", "reverse"])
+def test_nothing_is_differentiated_by_numbers_that_stay(mode):
+    """A derivative by them would be compiled, and then be multiplied by 0."""
+
+    @jax.custom_jvp
+    def without_derivative(number):
+        return number**2
+
+    @without_derivative.defjvp
+    def _(*_):
+        raise AssertionError("differentiated by a number that stays")
+
+    def own(mechanism):
+        stage = mechanism.stages[0]
+        return stage.thread.lead * without_derivative(stage.material.youngs_modulus)
+
+    table = sensitivity(mechanism(), [own], ["lead"], mode=mode)
+    np.testing.assert_allclose(table.elasticity, [[1.0]], rtol=1e-13)
+    with pytest.raises(AssertionError, match="number that stays"):
+        sensitivity(mechanism(), [own], ["lead", "youngs_modulus"], mode=mode)
+
+
 def test_stages_move_together():
     """Without a stage number all stages move by equal amounts: gradients add up."""
     two = scenes.mechanism(

@@ -14,7 +14,7 @@ import equinox as eqx
 from cyclopts import Parameter
 
 from ..._errors import PrsmError
-from ...mechanism import Mechanism
+from ...mechanism import Mechanism, written_out
 from ...quantities import assumptions, available_quantities
 from .._app import app
 from .._common import Common, emit, plain
@@ -49,7 +49,11 @@ def _all_results(data: "ReportData") -> dict[str, Any]:
     """Results as from the verbs contact, modal, steady and simulate, as far as analysed."""
     results: dict[str, Any] = {}
     if data.meshings is not None and data.contacts is not None:
-        results["contact"] = _contact_results(data.mechanism.stages, data.meshings, data.contacts)
+        problem = data.mechanism.design_problem
+        variables = () if problem is None else (one.name for one in problem.variables)
+        # As after the optimisation, so that both designs use the same program.
+        stages = written_out(data.mechanism, variables).stages
+        results["contact"] = _contact_results(stages, data.meshings, data.contacts)
     if data.modes is not None:
         results["modal"] = modal_results(data.modes[0])
     if data.steady is not None:

@@ -18,6 +18,7 @@ from ._parameters import (
 from ._set_parameters import (
     check_independent as check_independent,
     set_parameters as set_parameters,
+    written_out as written_out,
 )
 from ._tolerance_zones import (
     tolerance_zones as tolerance_zones,

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 
+import jax
 import numpy as np
 from jaxtyping import ArrayLike
 
@@ -45,6 +46,26 @@ def _in_order(names: Iterable[str]) -> list[str]:
     fields = {name: name.rpartition(".")[2] for name in names}
     given = set(fields.values())
     return sorted(fields, key=lambda name: not given.isdisjoint(SET_AFTER.get(fields[name], ())))
+
+
+def written_out(mechanism: Mechanism, names: Iterable[str]) -> Mechanism:
+    """The same mechanism, in which all named numbers are its own.
+
+    A number that follows from others while it is absent (the roller's profile radius) is set to the
+    expression that it follows from: its value and derivatives stay the same. A mechanism in which
+    such a number has been changed is then evaluated by the same compiled programs.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism.
+    - `names`: names of numbers, as `find_parameters` takes them.
+    """
+    for name in names:
+        for parameter in find_parameters(mechanism, name):
+            written = parameter.set(mechanism, parameter.get(mechanism))
+            if jax.tree.structure(written) != jax.tree.structure(mechanism):
+                mechanism = written
+    return mechanism
 
 
 def check_independent(mechanism: Mechanism, *groups: Iterable[str]) -> None:

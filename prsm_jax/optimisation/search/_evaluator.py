@@ -9,9 +9,15 @@ import numpy as np
 
 from ...fields import Scalar
 from ...findings import sources
-from ...mechanism import DesignProblem, Mechanism, set_parameters, with_traced_counts
+from ...mechanism import (
+    DesignProblem,
+    Mechanism,
+    set_parameters,
+    with_traced_counts,
+    written_out,
+)
 from ...programs import stored_facts
-from ...quantities import compute
+from ...quantities import compute, find_quantity
 from ._margin_rows import WHOLE_SCALE, MarginRows, known_margins, probe_positions, sorted_margins
 from ._outputs import compiled_derivatives, compiled_values, scatter_of
 from ._rows import Rows
@@ -63,6 +69,8 @@ class Evaluator:
         terms = (*problem.objectives, *problem.constraints)
         self.quantities: tuple[str, ...] = tuple(dict.fromkeys(term.quantity for term in terms))
         scatter = scatter_of(mechanism, problem.tolerance_sigmas)
+        # The optimum, in which no variable follows from others, is evaluated by the same programs.
+        mechanism = written_out(mechanism, names)
         self.lower: np.ndarray = np.array([variable.lower for variable in problem.variables])
         upper = np.array([variable.upper for variable in problem.variables])
         self.width: np.ndarray = upper - self.lower
@@ -99,7 +107,14 @@ class Evaluator:
         if cases:
             some_speed, some_load = speeds[0], loads[0]
         shape_of = stored_facts(
-            "shapes", _shapes, mechanism, self.quantities, some_speed, some_load
+            "shapes",
+            _shapes,
+            mechanism,
+            self.quantities,
+            some_speed,
+            some_load,
+            # A name may be given to another quantity.
+            by=tuple(map(find_quantity, self.quantities)),
         )
         # A derived number that a variable makes explicit has margins too (the profile radius).
         written = set_parameters(

@@ -20,7 +20,7 @@ from ...findings import (
 )
 from ...geometry import Meshing, mesh
 from ...load_sharing import ForceDeflection, LoadDistribution
-from ...mechanism import Mechanism, find_parameters
+from ...mechanism import Mechanism, written_out
 from ...quantities import Analysis, available_quantities, evaluate, truncated_fatigue_of
 from ...strength import TruncatedFatigue, side_onsets
 from ...text import short_heading
@@ -123,7 +123,10 @@ def analyse(
     """
     left_out: list[tuple[str, str]] = []
     faults: list[tuple[str, str]] = []
-    original, mechanism = mechanism, _written_out(mechanism)
+    original = mechanism
+    if mechanism.design_problem is not None:
+        # As after an optimisation, so that both designs use the same programs.
+        mechanism = written_out(mechanism, (one.name for one in mechanism.design_problem.variables))
 
     def attempt(part: str, function: Callable[..., Any], *args) -> Any:
         try:
@@ -202,19 +205,6 @@ def _checks(
 def _title_after(optimisation: Optimisation | None) -> str:
     feasible = optimisation is None or optimisation.feasible
     return "after the optimisation" if feasible else "best found"
-
-
-def _written_out(mechanism: Mechanism) -> Mechanism:
-    """The same mechanism with every design variable present as a number of its own.
-
-    A variable that follows from others while it is absent (the roller's profile radius) is present
-    after an optimisation; if it is written out before, too, both designs use the same programs.
-    """
-    if mechanism.design_problem is not None:
-        for variable in mechanism.design_problem.variables:
-            for parameter in find_parameters(mechanism, variable.name):
-                mechanism = parameter.set(mechanism, parameter.get(mechanism))
-    return mechanism
 
 
 def _all_modes(mechanism: Mechanism) -> tuple[Modes, ...]:

@@ -14,7 +14,7 @@ from tests import scenes
 from tests.present import present
 
 _compute = eqx.filter_jit(
-    lambda m: prsm_jax.compute(m, ["efficiency", "max_pressure_shared", "drive_torque"])
+    lambda m: prsm_jax.compute(m, ["efficiency", "max_pressure", "drive_torque"])
 )
 
 
@@ -37,8 +37,60 @@ def test_sensitivity_json(prsm_json):
     assert results["elasticity"][1][1] == pytest.approx(turning / (turning + circling), rel=1e-10)
 
 
+#: A screw with a comment on every kind of line, and a variable that the file does not give.
+SMALL = """# A screw of which little is known.
+title = "Small screw"
+
+[operating_point]
+speed = "1500 rpm"            # of the screw
+load = "12 kN"
+
+[[stage]]
+roller_count = 10
+engaged_threads = 20          # of 25
+
+[stage.thread]
+lead = "10 mm"                # pitch 2 mm
+starts = 5
+roller_radius = "4 mm"        # nut of 40 mm in diameter follows
+contact_angle = "45 deg"
+
+[stage.material]              # steel
+youngs_modulus = "210 GPa"
+poisson_ratio = 0.3
+
+[stage.friction.thread]       # grease
+law = "coulomb"
+coefficient = 0.06
+
+[optimise]
+maximise = "efficiency"
+starts = 4
+seed = 0
+
+[[optimise.variable]]
+name = "lead"
+lower = "5 mm"
+upper = "20 mm"
+
+[[optimise.variable]]
+name = "roller_profile_radius"
+lower = "4 mm"
+upper = "12 mm"
+
+[[optimise.constraint]]       # of every thread
+quantity = "max_pressure"
+upper = "1.9 GPa"
+
+[[optimise.constraint]]       # what the motor gives
+quantity = "drive_torque"
+upper = "25 N m"
+"""
+
+
 def test_optimise_writes_a_file_that_gives_the_same_numbers(prsm_json, tmp_path):
-    results = prsm_json("optimise", "actuator", "--starts", "1", "--out", tmp_path / "new")
+    (tmp_path / "small.toml").write_text(SMALL)
+    results = prsm_json("optimise", "small.toml", "--starts", "1", "--out", tmp_path / "new")
     assert results.keys() >= {
         "start",
         "optimum",
@@ -49,19 +101,22 @@ def test_optimise_writes_a_file_that_gives_the_same_numbers(prsm_json, tmp_path)
     }
     assert results["converged"]
     text = Path(results["mechanism"]).read_text()
-    source = file.example_text("actuator")
     # The numbers are rounded, by no more than 1e-6 of any of these.
     comments = [
         [line.partition("#")[2] for line in one.splitlines() if "#" in line]
-        for one in (text, source)
+        for one in (text, SMALL)
     ]
     assert comments[0] == comments[1]
     assert len(comments[0]) > 5
     again = file.load(results["mechanism"])
+    for name, value in results["optimum"]["variables"].items():
+        assert float(prsm_jax.get_parameter(again, name)) == pytest.approx(value, rel=1e-5)
+        before = float(prsm_jax.get_parameter(file.loads(SMALL), name))
+        assert value != pytest.approx(before, rel=1e-2)
     values = _compute(again)
     assert float(values["efficiency"]) == pytest.approx(results["optimum"]["objective"], rel=1e-6)
     limits = {c["quantity"]: c for c in results["constraints"]}
-    for name in ("max_pressure_shared", "drive_torque"):
+    for name in ("max_pressure", "drive_torque"):
         assert float(values[name]) == pytest.approx(limits[name]["value"], rel=1e-6)
         assert {"value", "limit", "active"} <= limits[name].keys()
 
@@ -104,16 +159,23 @@ def optimum():
 
 
 def test_the_optimum_is_at_limits_that_are_named(optimum):
-    _, best = optimum
-    assert best.converged
+    mechanism, best = optimum
+    assert best.converged, str(best)
     assert best.kkt_residual < 1e-6
+    assert best.problem == mechanism.design_problem
+    assert len(best.constraints) == len(mechanism.design_problem.constraints)
     active = {c.name for c in (*best.constraints, *best.margins) if c.active}
     # The margins of `check` belong to the limits, though the file does not name them.
     named = {"nut_axial_stiffness_secant", "nut_outer_diameter", "drive_torque"}
     assert active == named | {"backlash (stage 1)"}
     assert best.feasible
     assert [f.name for f in best.findings_optimum if f.severity == "error"] == []
+    assert [f.name for f in prsm_jax.check(best.mechanism) if f.severity == "error"] == []
+    # Without the margins of `check` its play would be -7.8 um.
+    play = prsm_jax.compute(best.mechanism, ["axial_backlash"])["axial_backlash"]
+    assert float(play[0]) > 0.9e-6
     assert not best.bounds_active
+    json.dumps(best.to_dict(), allow_nan=False)
     assert best.optimum.objective > best.start.objective
 
 
