@@ -210,7 +210,7 @@ def test_numbers_of_rollers_share_a_program(own_quantities):
     grid = sweep(wu, {"roller_count": counts, "lead": leads}, names)
     assert sorted(isinstance(count, int) for count in traces) == [False, True]
     traces.clear()
-    # In blocks of two designs that have different numbers of rollers, with the programs of the grid.
+    # Blocks of two designs with different numbers of rollers; the programs are those of the grid.
     pairs = {"roller_count": np.tile(counts, 2), "lead": np.repeat(leads, 3)}
     listed = sweep(wu, pairs, names, plan="list", chunk=2)
     assert traces == []
