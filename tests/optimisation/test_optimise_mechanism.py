@@ -1,12 +1,9 @@
-"""Optimisation of real mechanisms, against brute force."""
-
-import json
+"""Optimisation of a real mechanism, against brute force; `tests/cli` has that of an example."""
 
 import numpy as np
 import pytest
 import scenes
 
-from prsm_jax.findings import check
 from prsm_jax.mechanism import Nut
 from prsm_jax.optimisation import optimise
 from prsm_jax.quantities import compute
@@ -38,20 +35,3 @@ def test_nothing_on_a_grid_is_better():
     # One step of the grid changes the efficiency by about this much: the optimum is no mirage.
     spacing = float(abs(grid.efficiency.diff("lead")).max())
     assert best.optimum.objective <= float(found.max()) + 3 * spacing
-
-
-def test_the_actuator_and_its_own_problem():
-    mechanism = scenes.example("actuator")
-    best = optimise(mechanism, starts=2)
-    assert best.converged, str(best)
-    assert best.kkt_residual < 1e-6
-    assert best.problem == mechanism.design_problem
-    assert best.optimum.objective > best.start.objective
-    assert len(best.constraints) == len(mechanism.design_problem.constraints)
-    assert best.bounds_active or any(report.active for report in best.constraints)
-    assert best.feasible
-    # Without the margins of `check` its play would be -7.8 um.
-    assert [f.name for f in check(best.mechanism) if f.severity == "error"] == []
-    assert float(compute(best.mechanism, ["axial_backlash"])["axial_backlash"][0]) > 0.9e-6
-    assert "backlash (stage 1)" in {margin.name for margin in best.margins if margin.active}
-    json.dumps(best.to_dict(), allow_nan=False)

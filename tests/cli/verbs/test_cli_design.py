@@ -104,8 +104,10 @@ def optimum():
 
 
 def test_the_optimum_is_at_limits_that_are_named(optimum):
-    _, best = optimum
-    assert best.converged
+    mechanism, best = optimum
+    assert best.problem == mechanism.design_problem
+    assert len(best.constraints) == len(mechanism.design_problem.constraints)
+    assert best.converged, str(best)
     assert best.kkt_residual < 1e-6
     active = {c.name for c in (*best.constraints, *best.margins) if c.active}
     # The margins of `check` belong to the limits, though the file does not name them.
@@ -113,8 +115,13 @@ def test_the_optimum_is_at_limits_that_are_named(optimum):
     assert active == named | {"backlash (stage 1)"}
     assert best.feasible
     assert [f.name for f in best.findings_optimum if f.severity == "error"] == []
+    assert [f.name for f in prsm_jax.check(best.mechanism) if f.severity == "error"] == []
+    # Without the margins of `check` its play would be -7.8 um.
+    play = prsm_jax.compute(best.mechanism, ["axial_backlash"])["axial_backlash"]
+    assert float(play[0]) > 0.9e-6
     assert not best.bounds_active
     assert best.optimum.objective > best.start.objective
+    json.dumps(best.to_dict(), allow_nan=False)
 
 
 def test_brute_force_finds_nothing_better(optimum):
