@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scenes import (
     ALL_LOSSES,
-    FIRST_STAGE_LOSSES,
     array,
     mechanism,
     simulate,
@@ -20,6 +19,7 @@ import prsm_jax as prsm
 from prsm_jax.dynamics import all_kinematics, states_at
 from prsm_jax.friction import (
     CoulombFriction,
+    Drag,
     Friction,
     SplineFriction,
     StribeckFriction,
@@ -99,10 +99,12 @@ def test_a_stage_changes_flank_by_itself():
 
 @pytest.mark.usefixtures("memory_for_large_programs")
 def test_at_no_load_everything_is_finite_and_its_derivative_too():
-    """Losses in the contact ellipses included; past zero the other efficiency begins."""
-    two = mechanism(
-        stage(friction=FIRST_STAGE_LOSSES), stage(friction=ALL_LOSSES, geometry=thread(5e-3))
-    )
+    """Losses in the contact ellipses included; past zero the other efficiency begins.
+
+    A second stage can have all of them: the first one's screw slides in no spline.
+    """
+    first = Friction(CoulombFriction(0.06), drag=Drag(0.05))
+    two = mechanism(stage(friction=first), stage(friction=ALL_LOSSES, geometry=thread(5e-3)))
 
     @jax.jit
     def everything(load):

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from present import present
-from scenes import example
+from scenes import array, example
 
 import prsm_jax as prsm
 from prsm_jax import vibration
@@ -23,8 +23,15 @@ from prsm_jax.response import creep_friction, spatial_damping
 from prsm_jax.response._damped_modes import damped_modes
 from prsm_jax.vibration import Coordinate, Spring, SpringNetwork
 
-_damping = eqx.filter_jit(spatial_damping)
-_creep = eqx.filter_jit(creep_friction)
+
+def _one_program(function):
+    """Compiled for all speeds and loads: of floats each would have a program of its own."""
+    program = eqx.filter_jit(function)
+    return lambda one, *, speed, load: program(one, speed=array(speed), load=array(load))
+
+
+_damping = _one_program(spatial_damping)
+_creep = _one_program(creep_friction)
 _system = eqx.filter_jit(vibration.stage_spatial_system)
 _damped = eqx.filter_jit(lambda network, dashpots: damped_modes(
     vibration.spring_modes(network), dashpots

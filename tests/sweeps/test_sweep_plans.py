@@ -188,11 +188,10 @@ def test_whole_numbers_compute_few_designs_more_than_asked_for(monkeypatch, own_
     assert 2000 <= sum(computed) < 2000 + 8 * 250
 
 
-@pytest.mark.parametrize("plan", ["grid", "list"])
-def test_numbers_of_rollers_share_a_program(own_quantities, plan):
+def test_numbers_of_rollers_share_a_program(own_quantities):
     """From four rollers on, the number is data; three have no roller modes, and their own program.
 
-    Against sweeps over the other axis alone, whose program contains the number.
+    A grid and a list, against sweeps over the other axis alone, whose program contains the number.
     """
     traces = []
 
@@ -207,24 +206,22 @@ def test_numbers_of_rollers_share_a_program(own_quantities, plan):
         *("torsional_frequencies", "lowest_mesh_torsional_frequency", "carrier_frequency"),
         *("mass", "roller_clearance"),
     )
-    leads, counts = [8e-3, 9e-3], [3, 4, 7, 10]
-    axes: dict[str, Any] = {"roller_count": counts, "lead": leads}
-    if plan == "list":
-        axes = {"roller_count": np.repeat(counts, 2), "lead": np.tile(leads, 4)}
-    data = sweep(wu, axes, names, plan=plan)
+    leads, counts = [8e-3, 9e-3], [3, 4, 7]
+    grid = sweep(wu, {"roller_count": counts, "lead": leads}, names)
     assert sorted(isinstance(count, int) for count in traces) == [False, True]
+    traces.clear()
+    # Blocks of two designs with different numbers of rollers; the programs are those of the grid.
+    pairs = {"roller_count": np.tile(counts, 2), "lead": np.repeat(leads, 3)}
+    listed = sweep(wu, pairs, names, plan="list", chunk=2)
+    assert traces == []
     for index, count in enumerate(counts):
         one = prsm.set_parameter(wu, "roller_count", count)
         alone = sweep(one, {"lead": leads}, names)
-        here = (
-            {"roller_count": index}
-            if plan == "grid"
-            else {"design": slice(2 * index, 2 * index + 2)}
-        )
-        for name in (*names, "code", "error"):
-            np.testing.assert_allclose(
-                data[name].isel(here).values, alone[name].values, rtol=1e-13, err_msg=name
-            )
+        for data in (grid.isel(roller_count=index), listed.isel(design=[index, index + 3])):
+            for name in (*names, "code", "error"):
+                np.testing.assert_allclose(
+                    data[name].values, alone[name].values, rtol=1e-13, err_msg=name
+                )
 
 
 def test_what_needs_the_number_of_rollers_has_a_program_for_each(own_quantities):
