@@ -4,30 +4,26 @@ import subprocess
 import sys
 from pathlib import Path
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax.core import Tracer
-from scenes import example
+from scenes import mechanism, stage
 
 import prsm_jax as prsm
 from prsm_jax.dynamics.solvers import converted
-from prsm_jax.friction import LuGreFriction
+from prsm_jax.friction import Friction, LuGreFriction
 
 #: Read here: within a trace their numbers would be those of that trace.
-_CHAIN = example("li2020_two_stage")
-_ONE = prsm.mechanism.Mechanism(_CHAIN.stages[:1], _CHAIN.operating_point)
-_BRISTLES = eqx.tree_at(
-    lambda mechanism: mechanism.stages[0].friction.thread,
-    _ONE,
-    LuGreFriction(0.05, 0.08, 1e-2, 1e7, 1e-3),
-)
+_ONE = mechanism(stage())
+_BRISTLES = mechanism(stage(friction=Friction(LuGreFriction(0.05, 0.08, 1e-2, 1e7, 1e-3))))
+#: Enough without bristles; loops of fewer steps are smaller programs.
+_FEW_STEPS = 256
 _POINT = (100.0, 7e3)
 
 
-def _speed_driven(mechanism):
+def _speed_driven(mechanism, most_steps):
     def end(values, gradient):
         # Read inside, by a function that JAX compiles by itself.
         scenario = prsm.Scenario(
@@ -36,7 +32,13 @@ def _speed_driven(mechanism):
             1e-3,
             samples=3,
         )
-        run = prsm.simulate(mechanism, scenario, method="rosenbrock", gradient=gradient)
+        run = prsm.simulate(
+            mechanism,
+            scenario,
+            method="rosenbrock",
+            gradient=gradient,
+            max_steps=most_steps,
+        )
         return run.carrier_speed[0, -1]
 
     return end
@@ -50,12 +52,13 @@ def _torque_driven(values, gradient):
         initial_speed=1.0,
         samples=3,
     )
-    return prsm.simulate(_ONE, scenario, gradient=gradient).screw_speed[-1]
+    run = prsm.simulate(_ONE, scenario, gradient=gradient, max_steps=_FEW_STEPS)
+    return run.screw_speed[-1]
 
 
 _SCENES = {
-    "speed": _speed_driven(_CHAIN),
-    "bristles": _speed_driven(_BRISTLES),
+    "speed": _speed_driven(_ONE, _FEW_STEPS),
+    "bristles": _speed_driven(_BRISTLES, None),
     "torque": _torque_driven,
 }
 

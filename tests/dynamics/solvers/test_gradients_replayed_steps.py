@@ -1,5 +1,6 @@
 """Reverse mode through runs whose steps are taken again: torques that jump, stages, batches."""
 
+import functools
 from typing import Any
 
 import jax
@@ -13,7 +14,7 @@ from prsm_jax.dynamics.histories._integration import Settings
 from prsm_jax.dynamics.solvers import Rodasp, gradient_of
 from prsm_jax.dynamics.solvers._recorded_steps import Again, Steps
 from prsm_jax.dynamics.torque_drive._phases import PhaseLaws, follow_phases
-from prsm_jax.dynamics.torque_drive._stick_slip import follow_carriers
+from prsm_jax.dynamics.torque_drive._stick_slip import _Law, follow_carriers
 from prsm_jax.dynamics.torque_drive._torque_balance import torque_problem
 from prsm_jax.friction import CoulombFriction, Friction
 from tests.roots import root_between
@@ -71,63 +72,111 @@ def _brake_exactly(deceleration, start):
 
 #: Friction of the first stage, torque before its jump, and inertia of the rollers.
 _POINT = (0.7, 4.0, 0.4)
+#: Two such points, whose runs have different numbers of steps.
+_POINTS = np.array(_POINT) * np.array([[1.0, 1.0, 1.0], [0.95, 1.6, 2.0]])
+#: Time at which the torque jumps, and duration of the scene [s].
+_JUMP, _DURATION = 0.0123, 0.05
 
 
-def _end(values, stages, gradient, rtol=1e-7):
-    """Screw and carriers at the end, and the phases, of a torque that jumps between two samples.
+def _problem(values, stages):
+    """A torque that jumps between two samples.
 
-    It breaks away at once, is braked from 12.3 ms on by friction and half the torque, and stops.
+    The screw breaks away at once, is braked by friction and a quarter of the torque after the jump,
+    and stops.
     """
     friction = Friction(thread=CoulombFriction(0.7))
     parts = [stage(friction=friction, geometry=thread(contact_angle=np.pi / 3))] * stages
     chain = mechanism(*parts)
     chain = prsm.set_parameter(chain, "friction.thread.coefficient", values[0])
     chain = prsm.set_parameter(chain, "roller.inertia", values[2] * 1e-6)
-    times = array([0.0, 0.0123, 0.0123 + 1e-9, 0.05])
+    times = array([0.0, _JUMP, _JUMP + 1e-9, _DURATION])
     torque = jnp.stack([values[1], values[1], values[1] / 4, values[1] / 4])
     scenario = prsm.TorqueScenario(
         prsm.scenario.TableProfile(times, torque),
         prsm.scenario.HingeLoad(array(300.0)),
-        array(0.05),
+        array(_DURATION),
         samples=5,
         most_phases=3,
     )
-    problem = torque_problem(chain, scenario)
-    settings = Settings(Rodasp(), gradient_of(gradient), rtol, 1e-2 * rtol, 1024)
-    run = follow_carriers(problem, jnp.linspace(0.0, 0.05, 5), settings)
-    found = jnp.stack(
-        [run.angle[-1], run.speed[2] / 1e2, *run.carrier_speed[1] / 1e2, run.solution.phases.end[0]]
-    )
-    weights = jnp.asarray([1.0, -0.6, 0.5, 0.3])[: stages + 2]
-    weights = jnp.concatenate([weights, jnp.asarray([2.0])])
+    return torque_problem(chain, scenario)
+
+
+def _end(values, gradient):
+    """Screw and carrier at the end, and the phases."""
+    settings = Settings(Rodasp(), gradient_of(gradient), 1e-9, 1e-11, 1024)
+    run = follow_carriers(_problem(values, 1), jnp.linspace(0.0, _DURATION, 5), settings)
+    speeds = [run.speed[2], run.carrier_speed[1, 0]]
+    found = jnp.stack([run.angle[-1], *speeds, run.solution.phases.end[0]])
+    weights = jnp.asarray([1.0, -0.6e-2, 0.5e-2, 2.0])
     return jnp.where(run.solution.code == 0, weights @ found, jnp.nan)
 
 
-@pytest.mark.parametrize("stages", [2])
-def test_reverse_agrees_with_forward_in_a_batch(stages):
-    """Torques of either size in one batch, whose runs have different numbers of steps."""
-    points = jnp.asarray(np.array(_POINT) * np.array([[1.0, 1.0, 1.0], [0.95, 1.6, 2.0]]))
+def test_forward_reverse_and_differences_agree_in_a_batch():
+    """Through a jump of the torque and a stop; runs of a batch have different numbers of steps."""
+    moves = 1e-4 * _POINTS[:, None] * np.eye(3)
+    moved = np.stack([_POINTS[:, None] + moves, _POINTS[:, None] - moves])
+    batch = jnp.asarray(np.concatenate([_POINTS, moved.reshape(-1, 3)]))
 
-    def slopes(transform, gradient):
-        evaluate = lambda values: _end(values, stages, gradient)  # noqa: E731
-        return np.asarray(jax.jit(jax.vmap(transform(evaluate)))(points))
+    def along(values):
+        slopes, value = jax.jacfwd(lambda v: (_end(v, "forward"),) * 2, has_aux=True)(values)
+        return value, slopes
 
-    forward, reverse = slopes(jax.jacfwd, "forward"), slopes(jax.grad, "reverse")
+    def back(values):
+        return jax.value_and_grad(lambda v: _end(v, "reverse"))(values)
+
+    found, forward = (np.asarray(one) for one in jax.jit(jax.vmap(along))(batch))
+    values, reverse = (np.asarray(one) for one in jax.jit(jax.vmap(back))(batch))
     assert np.all(np.isfinite(forward))
     assert np.all(np.abs(forward) > 1e-6)
+    np.testing.assert_allclose(values, found, rtol=1e-7)
     # Each to some tens of the solver's tolerance: forward mode moves the lengths of steps as well.
-    np.testing.assert_allclose(reverse, forward, rtol=1e-5, atol=1e-6 * np.max(np.abs(forward)))
+    np.testing.assert_allclose(reverse, forward, rtol=1e-7, atol=1e-8 * np.max(np.abs(forward)))
+    above, below = found[len(_POINTS) :].reshape(2, len(_POINTS), 3)
+    differences = (above - below) / (2 * np.diagonal(moves, axis1=1, axis2=2))
+    np.testing.assert_allclose(forward[: len(_POINTS)], differences, rtol=1e-3)
 
 
-def test_forward_agrees_with_differences():
-    """Through a jump of the torque and a stop."""
-    point = np.array(_POINT)
-    evaluate = jax.jit(lambda values: _end(values, 1, "forward", 1e-9))
-    forward = np.asarray(jax.jit(jax.jacfwd(lambda v: _end(v, 1, "forward", 1e-9)))(point))
+#: Share of the duration, then angle and speeds of the screw and of both carriers: at the start with
+#: the carriers in the ratio in which they settle, turning, and with one that coasts.
+_MOTIONS = (
+    (0.0, 0.0, 0.4, np.inf, np.inf),
+    (0.1, 0.02, 0.4, 0.12, 0.13),
+    (0.3, 0.05, 0.1, 0.6, 0.02),
+)
+
+
+def test_two_stages_agree_in_what_is_integrated():
+    """How a phase begins, its rate, its margin and its end, by forward, reverse and differences."""
+
+    def laws(values, motion):
+        law = _Law(_problem(values, 2), array(_DURATION), array(500.0))
+        share, persistent = motion[0], motion[1:]
+        label, state = law.begin(share, persistent)
+        rate, margin = law.rate(share, state, label), law.margin(share, state, label)
+        end = law.end(state + 1e-3 * rate, label, jnp.asarray(False))
+        return jnp.concatenate([state, rate, end, margin[None]])
+
+    def of_all(values):
+        def of(motion):
+            at = functools.partial(laws, motion=motion)
+            return at(values), jax.jacfwd(at)(values), jax.jacrev(at)(values)
+
+        return jax.vmap(of)(jnp.asarray(_MOTIONS))
+
+    point, run = np.array(_POINT), jax.jit(of_all)
+    _, forward, reverse = (np.asarray(one) for one in run(point))
+    sizes = np.max(np.abs(forward), axis=1)
+    assert np.all(sizes > 1e-6)
+    np.testing.assert_allclose(
+        reverse / sizes[:, None], forward / sizes[:, None], rtol=0, atol=1e-11
+    )
     for index in range(3):
-        move = 1e-4 * point[index] * np.eye(3)[index]
-        above, below = float(evaluate(point + move)), float(evaluate(point - move))
-        assert forward[index] == pytest.approx((above - below) / (2 * move[index]), rel=1e-3)
+        move = 1e-5 * point[index] * np.eye(3)[index]
+        above, below = (np.asarray(run(point + way * move)[0]) for way in (1, -1))
+        expected = (above - below) / (2 * move[index])
+        missed = np.max(np.abs(forward[..., index] - expected), axis=1)
+        # The tangent at the start is found by a search, whose rounding the differences see.
+        assert np.all(missed < 1e-5 * sizes[:, index])
 
 
 def test_steps_taken_again_move_with_the_start_as_far_as_a_jump():
