@@ -20,11 +20,11 @@ from stored_sweeps import contents
 pytest.importorskip("zarr")
 
 SHARDS = 16
-#: Blocks of four designs: 160, of which each shard has 10.
-BLOCKS, CHUNK = 160, 4
+#: Blocks of four designs: 320, of which each shard has 20.
+BLOCKS, CHUNK = 320, 4
 #: Longest time that a process of a test may need on a busy machine [s].
 PATIENCE = 240
-AXES = ("--axis", "lead=6 mm:14 mm:32", "--axis", "contact_angle=40 deg:46 deg:20")
+AXES = ("--axis", "lead=6 mm:14 mm:64", "--axis", "contact_angle=40 deg:46 deg:20")
 QUANTITIES = ("--quantities", "nut_speed,nut_radius")
 WORDS = ("sweep", "wu2022", *AXES, *QUANTITIES, "--chunk", str(CHUNK))
 
@@ -68,7 +68,7 @@ def _killed_at(process, enough):
     while not enough():
         assert process.poll() is None, process.communicate()[1]
         assert time.monotonic() < end
-        time.sleep(0.01)
+        time.sleep(0.002)
     process.send_signal(signal.SIGKILL)
     process.communicate()
     assert process.returncode == -signal.SIGKILL
