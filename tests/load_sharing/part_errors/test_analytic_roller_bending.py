@@ -351,3 +351,13 @@ def test_a_file_and_its_way_back(tmp_path):
     assert again.roller_bending.shapes == 5
     with pytest.raises(ValueError, match="whole number from 1 to 16"):
         file.loads(path.read_text(encoding="utf-8").replace("shapes = 5", "shapes = 17"))
+
+
+def test_no_trace_where_the_table_is_absent():
+    def bends(stage) -> bool:
+        return "roller_bending" in prsm.programs.traced_physics(
+            lambda one: stage_load_distribution(one, array(LOAD)), stage
+        )
+
+    assert bends(_stage())
+    assert not bends(sharing_stage())
