@@ -18,6 +18,7 @@ from ..fields import CountOrTraced, Scalar
 from ..geometry import Meshing
 from ..mechanism import LoadSharing, Stage, material_of, nut_outer_radius
 from ..numerics import largest, smallest
+from ..programs import physics
 from ._chains import Chains
 from ._flank_law import flank_approach, flank_force
 from ._flanks import Flanks
@@ -106,11 +107,39 @@ def places_of(stage: Stage) -> Places | None:
     return contact_places(stage, roller_classes(stage), sharing.thread_count)
 
 
-def segment_compliances(stage: Stage) -> dict[str, Scalar]:
-    """Axial compliance of screw, roller and nut over one pitch, given or p/(E A) [m/N].
+def _section(stage: Stage, body: str) -> tuple[Scalar, Scalar]:
+    """Inner and outer radius of a body's section [m].
 
-    Sections reach from the bore to the root of the thread where the teeth are given, else to its
-    nominal radius; the nut is a sleeve.
+    **Raises:** `MissingDataError` without the wall thickness of the nut.
+    """
+    tooth = sharing_of(stage).tooth
+    depth = 0.0 if tooth is None else getattr(tooth, f"{body}_dedendum")
+    radius = getattr(stage.thread, f"{body}_radius")
+    if body == "nut":
+        return radius + depth, nut_outer_radius(stage)
+    bore = getattr(stage, body).bore_radius
+    return jnp.zeros_like(radius) if bore is None else bore, radius - depth
+
+
+@physics("shaft_torsion")
+def _twist(stage: Stage, body: str) -> Scalar:
+    """Axial travel of a body's thread by its twist over one pitch, per axial force [m/N].
+
+    A force F on a frictionless thread has the torque F L/2π, and a twist φ moves the thread along
+    the axis by φ L/2π: `(L/2π)² p/(G J)`.
+    """
+    thread, material = stage.thread, material_of(stage, body)
+    inner, outer = _section(stage, body)
+    advance = thread.lead / (2 * jnp.pi)
+    modulus = material.youngs_modulus / (2 * (1 + material.poisson_ratio))
+    return advance**2 * thread.pitch / (modulus * jnp.pi / 2 * (outer**4 - inner**4))
+
+
+def segment_compliances(stage: Stage) -> dict[str, Scalar]:
+    """Axial compliance of screw, roller and nut over one pitch [m/N].
+
+    Given, or p/(E A) with what `torsion` adds. Sections reach from the bore to the root of the
+    thread where the teeth are given, else to its nominal radius; the nut is a sleeve.
 
     **Raises:** `MissingDataError` without stiffness, material or wall thickness.
     """
@@ -121,16 +150,13 @@ def segment_compliances(stage: Stage) -> dict[str, Scalar]:
         if stiffness is not None:
             compliances[body] = 1 / stiffness
             continue
-        tooth = sharing.tooth
-        depth = 0.0 if tooth is None else getattr(tooth, f"{body}_dedendum")
-        radius = getattr(thread, f"{body}_radius")
-        if body == "nut":
-            inner, outer = radius + depth, nut_outer_radius(stage)
-        else:
-            bore = getattr(stage, body).bore_radius
-            inner, outer = 0.0 if bore is None else bore, radius - depth
+        inner, outer = _section(stage, body)
         area = jnp.pi * (outer**2 - inner**2)
         compliances[body] = thread.pitch / (material_of(stage, body).youngs_modulus * area)
+        # Grooves, of rollers or of a differential type's nut, have no torque.
+        threaded = body == "screw" or (body == "nut" and thread.family.lead_is_fixed)
+        if sharing.torsion and threaded:
+            compliances[body] = compliances[body] + _twist(stage, body)
     return compliances
 
 

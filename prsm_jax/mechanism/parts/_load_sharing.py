@@ -148,6 +148,10 @@ class LoadSharing(Limited):
         "axial stiffness of the nut over one pitch; from its section when absent",
         limit=POSITIVE,
     )
+    torsion: bool = choice(
+        "whether screw and nut also twist, where their stiffness is that of their sections",
+        default=False,
+    )
     screw_pitch_error: OptionalNumbers = _gap("position error of the screw's teeth", limit=ANY)
     roller_pitch_error: OptionalNumbers = _gap(
         "position error of the rollers' teeth",
