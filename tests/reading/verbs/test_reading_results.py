@@ -237,7 +237,7 @@ _UNITS = {
         "approach approach_difference arc axial_gap contact_place contact_radius deflection depth "
         "depths nut_displacement "
         "displacement distance gap half_width max_half_width position radius "
-        "roller_contact_radius semi_major semi_minor"
+        "roller_contact_radius roller_deflection semi_major semi_minor"
     ),
     "N/m": (
         "axial_stiffness line_load nut_each nut_roller roller_stiffness screw_each screw_roller "
@@ -260,7 +260,10 @@ _UNITS = {
     "W": "input_power load_power losses output_power power",
     "N·s/m": "damping_across_slip damping_along_slip",
     "m/s": "slip_speed",
-    "rad": "contact_angle_position nut_lean roller_angle roller_angle_position turned_angle",
+    "rad": (
+        "contact_angle_position nut_lean roller_angle roller_angle_position roller_lean "
+        "turned_angle"
+    ),
     "m²": "area",
     "Hz": "frequency",
 }
