@@ -21,6 +21,11 @@ import jaxtyping
 
 from tests import shape_checks
 
+# The allocator that the Makefile loads is for workers, which compile: the browser has its own, and
+# the command line runs as for a user.
+if "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ.pop("LD_PRELOAD", None)
+
 # Before the package is imported.
 shape_checks.install()
 
@@ -128,6 +133,9 @@ def _trim() -> None:
     # The C library keeps what was freed in small pieces unless it is asked to give it back.
     with contextlib.suppress(OSError, AttributeError):
         ctypes.CDLL("libc.so.6").malloc_trim(0)
+    with contextlib.suppress(OSError, AttributeError):
+        # Of the allocator of the Makefile, where it is loaded.
+        ctypes.CDLL(None).mi_collect(True)
 
 
 @pytest.fixture(autouse=True, scope="module")
