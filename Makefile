@@ -57,9 +57,11 @@ demo: $(DEMO_STAMP)
 # Without stored bytecode every worker and every process that a test starts translates all modules.
 test: CHOICE := not slow
 slow: CHOICE := slow
+# Not of slow tests: their workers come near the memory that they may take.
+test: PRELOAD := $(if $(ALLOCATOR),LD_PRELOAD=$(ALLOCATOR))
 test slow: $(TEST_STAMP)
 	files=$$($(BIN)/python -m tests.of_room $(ROOM)) && \
-	  env -u PYTHONDONTWRITEBYTECODE $(if $(ALLOCATOR),LD_PRELOAD=$(ALLOCATOR)) \
+	  env -u PYTHONDONTWRITEBYTECODE $(PRELOAD) \
 	  $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "$(CHOICE)" $$files || \
 	  { status=$$?; test -n "$(ROOM)" -a $$status -eq 5 && echo "ROOM=$(ROOM): no such tests"; }
 

@@ -58,6 +58,7 @@ def _equal(mechanism, *names):
 def test_computed_loads_rest_on_rollers_that_are_held(name):
     mechanism = example("actuator")
     (stage,) = mechanism.stages
+    assert stage.load_sharing is not None
     words = "rollers neither lean nor bend"
     assert any(words in one for one in prsm.assumptions(mechanism, [name]))
     sharing = dataclasses.replace(stage.load_sharing, roller_bending=prsm.mechanism.RollerBending())
