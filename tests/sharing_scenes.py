@@ -84,6 +84,33 @@ def loads_of(bare, found):
     ]
 
 
+def force_slope_energy(approach, hertz, tooth):
+    """Root f of c f + b f^{2/3} = δ by NumPy, its slope and energy; 0 where flanks are apart."""
+    touching = approach > 0
+    delta = np.where(touching, approach, 1e-6)
+    root = np.sqrt(delta / hertz)
+    for _ in range(60):
+        root = root - (tooth * root**3 + hertz * root**2 - delta) / (
+            3 * tooth * root**2 + 2 * hertz * root
+        )
+    slope = 3 * root / (3 * tooth * root + 2 * hertz)
+    energy = tooth * root**6 / 2 + 0.4 * hertz * root**5
+    return [np.where(touching, one, 0.0) for one in (root**3, slope, energy)]
+
+
+def flank_compliances(chains):
+    """b and c of the flanks on the screw and on the nut side, of the first class."""
+    return [
+        (float(side.hertz[0, 0]), float(side.tooth[0, 0])) for side in (chains.screw, chains.nut)
+    ]
+
+
+def shaft_stiffnesses(chains):
+    """Stiffness of screw, roller and nut over one pitch [N/m]."""
+    segments = (chains.screw_segment, chains.roller_segment, chains.nut_segment)
+    return [1 / float(one[0]) for one in segments]
+
+
 def sharing_stage(unequal=(), **more):
     """A stage with sections, materials, teeth and 20 threads."""
     data: dict[str, Any] = {"tooth": ThreadTooth(8e-4, 4.5e-4, 4.5e-4, 4.5e-4)} | more

@@ -6,6 +6,7 @@ segments, 0 and infinity included.
 All matrices are those of spring networks, so elimination needs no pivoting.
 """
 
+import functools
 import operator
 from typing import Any
 
@@ -17,6 +18,7 @@ from jaxtyping import Array, Float
 from ._chains import Chains, Control, State
 from ._flanks import Teeth
 from ._large_block_tridiagonal import BlockTridiagonal, eliminate as eliminate_large, gauss_jordan
+from .part_errors import SideCoupling
 
 #: Largest matrix of a thread that is written out number by number, which is fast in batches.
 _LARGEST = 4
@@ -230,6 +232,29 @@ def _radial_shift_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: Stat
     return columns, diagonal
 
 
+def _displaced(
+    chains: Chains, side: SideCoupling, teeth: Teeth
+) -> tuple[Array, Array | None, Array]:
+    """Decrease of the forces on one side per displacement.
+
+    **Returns:** along the axis, and those that press outward (`None` where threads have one flank),
+    each [displacements, classes, threads]; the stiffness between the displacements.
+    """
+    weight = chains.weight[:, None]
+    slope = (weight * teeth.slope)[None]
+    along = slope * side.axial
+    both = functools.partial(jnp.tensordot, axes=((1, 2), (1, 2)))
+    if side.radial is None:
+        return along, None, both(side.axial, along)
+    assert teeth.slope_difference is not None
+    difference = (weight * teeth.slope_difference)[None]
+    along = along + difference * side.radial
+    # Regularising springs depend on the approach of the teeth, not on the opening.
+    free = slope - (weight * chains.regularisation)[None]
+    outward = difference * side.axial + free * side.radial
+    return along, outward, both(side.axial, along) + both(side.radial, outward)
+
+
 def _displacement_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: State):
     """Columns of the Jacobian for the displacements, and their own rows and columns.
 
@@ -237,43 +262,28 @@ def _displacement_columns(chains: Chains, teeth: tuple[Teeth, Teeth], like: Stat
     [displacements, displacements]; and that between them and the radial shift of each class
     [classes, displacements], `None` without such shifts.
     """
-    coupled, weight = chains.displacements, chains.weight[:, None]
+    coupled = chains.displacements
     assert coupled is not None
     own = chains.displacement_regularisation * jnp.eye(coupled.count, dtype=coupled.load.dtype)
     if coupled.stiffness is not None:
         own = own + coupled.stiffness
-    sides = [(coupled.nut, teeth[1], 1.0)]
+    on_nut, outward, stiffness = _displaced(chains, coupled.nut, teeth[1])
+    own, on_rollers = own + stiffness, on_nut
     if coupled.screw is not None:
-        sides.append((coupled.screw, teeth[0], -1.0))
-    pushed, on_nut, across = None, None, None
-    for side, flanks, sign in sides:
-        # Forces on flanks per displacement: those along the axis, and those that press outward.
-        slope = (weight * flanks.slope)[None]
-        along = slope * side.axial
-        if side.radial is not None:
-            assert flanks.slope_difference is not None
-            difference = (weight * flanks.slope_difference)[None]
-            along = along + difference * side.radial
-            free = slope - (weight * chains.regularisation)[None]
-            outward = difference * side.axial + free * side.radial
-            own = own + jnp.tensordot(side.radial, outward, axes=((1, 2), (1, 2)))
-            summed = -sign * jnp.sum(outward, axis=2).T
-            across = summed if across is None else across + summed
-        own = own + jnp.tensordot(side.axial, along, axes=((1, 2), (1, 2)))
-        pushed = along if pushed is None else pushed - along
-        on_nut = along if on_nut is None else on_nut
-    assert pushed is not None
-    assert on_nut is not None
+        on_screw, from_screw, stiffness = _displaced(chains, coupled.screw, teeth[0])
+        own, on_rollers = own + stiffness, on_nut - on_screw
+        if outward is not None and from_screw is not None:
+            outward = outward - from_screw
     columns = [
         State(
-            one,
-            -jnp.sum(other, axis=0),
+            roller,
+            -jnp.sum(nut, axis=0),
             jnp.zeros_like(like.roller_force),
             jnp.zeros_like(like.nut_force),
         )
-        for one, other in zip(pushed, on_nut, strict=True)
+        for roller, nut in zip(on_rollers, on_nut, strict=True)
     ]
-    return columns, own, across
+    return columns, own, None if outward is None else -jnp.sum(outward, axis=2).T
 
 
 def solve_linear(

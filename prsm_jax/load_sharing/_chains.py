@@ -13,7 +13,7 @@ thread are modelled, this `radial_shift` of each class is an unknown too: it tra
 of a split nut to the screw. With one flank it changes nothing, because a roller is free axially.
 
 A nut that is free to move sideways and to lean, and rollers that lean and bend, add their
-`displacements` (see `part_errors`).
+`displacements` (see `part_errors` and `_roller_bending`).
 """
 
 from collections.abc import Callable

@@ -78,10 +78,11 @@ class LoadDistribution(DesignResult):
     nut_displacement: Annotated[Float[Array, "2"] | None, In("m")] = None
     #: Angles by which a free nut's axis leans from its place, towards 0 and 90 degrees [rad].
     nut_lean: Annotated[Float[Array, "2"] | None, In("rad")] = None
-    #: Angle by which the line through the ends of a roller leans outward towards its last thread
-    #: [rad], a class after the other; this and what follows is `None` without `roller_bending`.
+    #: Angle by which each class of rollers leans outward towards its last thread, of the line
+    #: through the ends, which are straight beyond the threads [rad]; this and what follows is
+    #: `None` without `roller_bending`.
     roller_lean: Annotated[Float[Array, " classes"] | None, In("rad")] = None
-    #: How far a roller's axis is bent outward at its threads, from the line through its ends [m].
+    #: How far a roller's axis is bent outward at its threads, from that line [m].
     roller_deflection: Annotated[Float[Array, "classes threads"] | None, In("m")] = None
 
     @property
@@ -280,8 +281,7 @@ def _bent_rollers(stage: Stage, state: State) -> dict[str, Array]:
         return {}
     assert state.displacements is not None
     shapes = state.displacements[4 if sharing.free_nut is not None else 0 :]
-    places, count = places_of(stage), sharing.thread_count
-    lean, bow = deflected(stage, sharing.roller_bending, shapes, places, count)
+    lean, bow = deflected(stage, sharing, shapes, places_of(stage))
     return {"roller_lean": lean, "roller_deflection": bow}
 
 

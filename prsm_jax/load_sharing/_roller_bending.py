@@ -7,9 +7,9 @@ moves outward by
 $$v(z) = a_1 P_1(z/h) + \sum_{m>1} a_m \left(P_m(z/h) - c_m P_{(m \bmod 2)}(z/h)\right)$$
 
 with Legendre polynomials over the half length h of its threads; beyond them it is straight. The
-$c_m$ make all shapes but the first vanish at the ends of the roller: $a_1$ is the lean of the line
-through its ends, the rest bends it away from there. Where the axis moves by v with the slope v',
-the gaps open by
+$c_m$ make all shapes but the first vanish at the ends of the roller: $a_1/h$ is the lean of the
+line through these ends, and the rest bends the roller away from it. Where the axis moves by v with
+the slope v', the gaps open by
 
 $$v\tan\alpha + r_R v' \quad\text{(screw)}, \qquad -v\tan\alpha + r_R v' \quad\text{(nut)},$$
 
@@ -25,7 +25,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..fields import Scalar
-from ..mechanism import RollerBending, Stage, material_of
+from ..mechanism import LoadSharing, Stage, material_of
 from ..programs import physics
 from .part_errors import Displacements, Places, SideCoupling
 
@@ -70,89 +70,85 @@ def _lengths(stage: Stage, thread_count: int) -> tuple[Scalar, Scalar]:
     return threads / 2, end
 
 
-def bending_stiffness(stage: Stage) -> Scalar:
-    """E I of a roller's section [N·m²]: from the bore to the root of its thread, if given.
-
-    **Raises:** `MissingDataError` without its material.
-    """
-    sharing, bore = stage.load_sharing, stage.roller.bore_radius
-    tooth = None if sharing is None else sharing.tooth
-    outer = stage.thread.roller_radius - (0.0 if tooth is None else tooth.roller_dedendum)
-    inner = jnp.zeros_like(outer) if bore is None else bore
-    moment = jnp.pi / 4 * (outer**4 - inner**4)
-    return material_of(stage, "roller").youngs_modulus * moment
-
-
-def _along_roller(stage: Stage, places: Places | None, thread_count: int) -> Array:
-    """Places of the threads from the middle of a roller [m], a row for all or for each class."""
-    if places is not None:
-        return places.axial
-    count = jnp.arange(thread_count, dtype=stage.thread.lead.dtype) - (thread_count - 1) / 2
-    return stage.thread.pitch * count[None, :]
+def _shapes_of(
+    stage: Stage, sharing: LoadSharing, classes: int, places: Places | None
+) -> tuple[Array, Array]:
+    """The shapes and their slopes [1/m] at all threads, [shapes, classes, threads]."""
+    assert sharing.roller_bending is not None
+    threads, pitch = sharing.thread_count, stage.thread.pitch
+    if places is None:
+        z = pitch * (jnp.arange(threads, dtype=pitch.dtype) - (threads - 1) / 2)
+    else:
+        z = places.axial
+    half, end = _lengths(stage, threads)
+    at = jnp.broadcast_to(z / half, (classes, threads))
+    values, slopes = _shapes(sharing.roller_bending.shapes, at, end)
+    return values, slopes / half
 
 
 @physics("roller_bending")
 def roller_shapes(
     stage: Stage,
-    bending: RollerBending,
+    sharing: LoadSharing,
+    section: tuple[Scalar, Scalar],
     weight: Float[Array, " classes"],
     places: Places | None,
-    thread_count: int,
-    both: bool,
 ) -> Displacements:
     """The shapes of all classes of rollers, class by class.
 
     **Arguments:**
 
     - `stage`: the stage.
-    - `bending`: what holds its rollers.
+    - `sharing`: its load sharing, with `roller_bending`.
+    - `section`: inner and outer radius of a roller's section [m].
     - `weight`: number of rollers of each class.
     - `places`: of the contacts where rollers differ by their places.
-    - `thread_count`: engaged threads of one roller.
-    - `both`: whether reverse flanks are modelled.
 
     **Raises:** `MissingDataError` without the material of the rollers.
     """
-    count, classes = bending.shapes, len(weight)
-    half, end = _lengths(stage, thread_count)
-    z = jnp.broadcast_to(_along_roller(stage, places, thread_count), (classes, thread_count))
-    values, slopes = _shapes(count, z / half, end)
+    bending, classes = sharing.roller_bending, len(weight)
+    assert bending is not None
+    values, slopes = _shapes_of(stage, sharing, classes, places)
     radial = jnp.tan(stage.thread.flank_angle) * values
-    axial = stage.thread.roller_radius * slopes / half
-    own = jnp.eye(classes, dtype=z.dtype)[:, None, :, None]
+    axial = stage.thread.roller_radius * slopes
+    own = jnp.eye(classes, dtype=values.dtype)[:, None, :, None]
 
     def of_all(one: Array) -> Array:
-        return (own * one[None]).reshape(classes * count, classes, thread_count)
+        return (own * one[None]).reshape(classes * bending.shapes, *one.shape[1:])
 
     def side(sign: float) -> SideCoupling:
-        if both:
+        if sharing.has_reverse_flanks:
             return SideCoupling(of_all(axial), of_all(sign * radial))
         return SideCoupling(of_all(axial + sign * radial), None)
 
-    beam = bending_stiffness(stage)
-    stiffness = beam / half**3 * jnp.asarray(_bent(count), z.dtype)
+    inner, outer = section
+    beam = material_of(stage, "roller").youngs_modulus * jnp.pi / 4 * (outer**4 - inner**4)
+    half, end = _lengths(stage, sharing.thread_count)
+    stiffness = beam / half**3 * jnp.asarray(_bent(bending.shapes), values.dtype)
     if bending.tilting_stiffness is not None:
         # Forces F = M/L at the ends, a beyond the threads, bend these cantilevers by F a³/3 E I.
         soft = half * (end - 1) ** 3 / (6 * beam * end**2)
         held = bending.tilting_stiffness / (1 + bending.tilting_stiffness * soft)
         stiffness = stiffness.at[0, 0].add(held / half**2)
     whole = jnp.kron(jnp.diag(weight), stiffness)
-    load = jnp.zeros((classes * count,), z.dtype)
-    return Displacements(side(-1.0), side(1.0), load, whole)
+    return Displacements(side(-1.0), side(1.0), jnp.zeros_like(whole[0]), whole)
 
 
 def deflected(
     stage: Stage,
-    bending: RollerBending,
-    shapes: Float[Array, " displacements"],
+    sharing: LoadSharing,
+    amplitudes: Float[Array, " displacements"],
     places: Places | None,
-    thread_count: int,
 ) -> tuple[Float[Array, " classes"], Float[Array, "classes threads"]]:
-    """Lean of the line through the ends of each roller [rad], and distance of its axis from there
-    at its threads [m]."""
-    count, (half, end) = bending.shapes, _lengths(stage, thread_count)
-    each = shapes.reshape(-1, count)
-    z = jnp.broadcast_to(_along_roller(stage, places, thread_count), (each.shape[0], thread_count))
-    values, _ = _shapes(count, z / half, end)
-    bow = jnp.einsum("cm,mct->ct", each[:, 1:], values[1:])
-    return each[:, 0] / half, bow
+    """Lean of each roller [rad], and how far it is bent from there at its threads [m].
+
+    **Arguments:**
+
+    - `stage`, `sharing`, `places`: as in `roller_shapes`.
+    - `amplitudes`: of its displacements [m].
+    """
+    assert sharing.roller_bending is not None
+    each = amplitudes.reshape(-1, sharing.roller_bending.shapes)
+    values, _ = _shapes_of(stage, sharing, len(each), places)
+    half, _ = _lengths(stage, sharing.thread_count)
+    return each[:, 0] / half, jnp.einsum("cm,mct->ct", each[:, 1:], values[1:])

@@ -350,13 +350,14 @@ def stage_chains(
             return None
         return gap_opening(stage, errors, side, rollers, places)
 
-    weight, both = _weights(stage, rollers, dtype), sharing.has_reverse_flanks
+    weight = _weights(stage, rollers, dtype)
     of_nut = of_rollers = None
     if sharing.free_nut is not None and places is not None:
+        both = sharing.has_reverse_flanks
         of_nut = free_nut_displacements(stage, sharing.free_nut, places, both)
     if sharing.roller_bending is not None:
-        threads = sharing.thread_count
-        of_rollers = roller_shapes(stage, sharing.roller_bending, weight, places, threads, both)
+        section = _section(stage, "roller")
+        of_rollers = roller_shapes(stage, sharing, section, weight, places)
     flanks = [
         _flanks(stage, side, unit, frame, rollers, teeth, opening_of(side))
         for side, unit, frame in zip(("screw", "nut"), units, frames, strict=True)

@@ -164,9 +164,9 @@ def held_rollers(stage: Stage) -> str | None:
     if stage.load_sharing is None or stage.load_sharing.roller_bending is not None:
         return None
     return (
-        "For the loads of threads, rollers neither lean nor bend: what holds their ends is rigid. "
-        "On rollers in a softer support the first threads carry more; "
-        "[stage.load_sharing.roller_bending] computes it."
+        "For the loads of threads, rollers neither lean nor bend: their ends are held rigidly. In "
+        "a softer support the first threads carry more; [stage.load_sharing.roller_bending] "
+        "computes it."
     )
 
 

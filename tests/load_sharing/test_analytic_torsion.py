@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scenes import array
 from scipy.optimize import root
-from sharing_scenes import sharing_stage
+from sharing_scenes import flank_compliances, force_slope_energy, sharing_stage
 
 import prsm_jax as prsm
 from prsm_jax.load_sharing import stage_load_distribution
@@ -53,29 +53,18 @@ class Twisted:
         self.pitch = float(stage.thread.pitch)
         self.advance = float(stage.thread.lead) / (2 * np.pi)
         self.sections = {body: _sections(stage, body) for body in ("screw", "roller", "nut")}
-        self.flanks = [
-            (float(one.hertz[0, 0]), float(one.tooth[0, 0])) for one in (chains.screw, chains.nut)
-        ]
+        self.flanks = flank_compliances(chains)
         start = np.zeros((5, self.count))
         start[0], start[2] = 12.0, 6.0
         solved = root(self._residual, start.ravel(), method="lm", options={"xtol": 1e-14})
         self.error = np.abs(self._residual(solved.x)).max()
         self.deflection = 1e-6 * solved.x.reshape(5, -1)[0, 0]
 
-    def _force(self, approach, hertz, tooth):
-        delta = np.maximum(approach, 0.0)
-        cube = np.sqrt(delta / hertz)
-        for _ in range(60):
-            slope = 3 * tooth * cube**2 + 2 * hertz * cube
-            error = tooth * cube**3 + hertz * cube**2 - delta
-            cube = cube - np.divide(error, slope, out=np.zeros_like(cube), where=slope > 0)
-        return cube**3
-
     def _residual(self, unknown):
         # Twists as the travel that they cause, so that all unknowns are of one size.
         screw, turned, roller, nut, nut_turned = 1e-6 * unknown.reshape(5, -1)
-        on_screw = self._force(screw + turned - roller, *self.flanks[0])
-        on_nut = self._force(roller - nut - nut_turned, *self.flanks[1])
+        on_screw = force_slope_energy(screw + turned - roller, *self.flanks[0])[0]
+        on_nut = force_slope_energy(roller - nut - nut_turned, *self.flanks[1])[0]
         self.screw_force, self.nut_force = on_screw, on_nut
         n = self.rollers
         rows = [n * on_screw, n * on_screw, n * (on_nut - on_screw), -n * on_nut, -n * on_nut]

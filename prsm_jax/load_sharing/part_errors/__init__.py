@@ -1,4 +1,4 @@
-"""Errors of real parts and a free nut: what they do to the gaps, and the forces on the nut."""
+"""Errors of real parts, and displacements of a nut or of rollers: gaps, and forces on the nut."""
 
 from ._displacements import (
     Displacements as Displacements,

@@ -6,7 +6,9 @@ $\tfrac12 p^T K p$ of the springs that hold them, less the work of the given loa
 """
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
+import jax.scipy.linalg
 from jaxtyping import Array, Float
 
 from ...fields import Scalar
@@ -88,42 +90,24 @@ def joined(first: Displacements | None, second: Displacements | None) -> Displac
     """Both kinds of displacements, the first in front."""
     if first is None or second is None:
         return second if first is None else first
-    nut = _joined_sides(first.nut, second.nut, first.count, second.count)
-    assert nut is not None
-    return Displacements(
-        nut,
-        _joined_sides(first.screw, second.screw, first.count, second.count),
-        jnp.concatenate([first.load, second.load]),
-        _blocks(first, second),
-    )
+    both = first, second
+    screw = None
+    if first.screw is not None or second.screw is not None:
+        screw = _in_rows(*(_zero(one.nut) if one.screw is None else one.screw for one in both))
+    stiffness = None
+    if first.stiffness is not None or second.stiffness is not None:
+        square = [jnp.zeros((one.count, one.count), one.load.dtype) for one in both]
+        given = [one.stiffness for one in both]
+        stiffness = jax.scipy.linalg.block_diag(
+            *(none if one is None else one for none, one in zip(square, given, strict=True))
+        )
+    load = jnp.concatenate([first.load, second.load])
+    return Displacements(_in_rows(first.nut, second.nut), screw, load, stiffness)
 
 
-def _joined_sides(
-    first: SideCoupling | None, second: SideCoupling | None, before: int, after: int
-) -> SideCoupling | None:
-    if first is None and second is None:
-        return None
-    given = second if first is None else first
-    assert given is not None
-
-    def part(side: SideCoupling | None, name: str, count: int):
-        if side is not None:
-            return getattr(side, name)
-        return jnp.zeros((count, *given.axial.shape[1:]), given.axial.dtype)
-
-    def both(name: str):
-        return jnp.concatenate([part(first, name, before), part(second, name, after)])
-
-    return SideCoupling(both("axial"), None if given.radial is None else both("radial"))
+def _zero(side: SideCoupling) -> SideCoupling:
+    return jax.tree.map(jnp.zeros_like, side)
 
 
-def _blocks(first: Displacements, second: Displacements) -> Array | None:
-    if first.stiffness is None and second.stiffness is None:
-        return None
-    before, after = first.count, second.count
-    whole = jnp.zeros((before + after, before + after), first.load.dtype)
-    if first.stiffness is not None:
-        whole = whole.at[:before, :before].set(first.stiffness)
-    if second.stiffness is not None:
-        whole = whole.at[before:, before:].set(second.stiffness)
-    return whole
+def _in_rows(first: SideCoupling, second: SideCoupling) -> SideCoupling:
+    return jax.tree.map(lambda one, other: jnp.concatenate([one, other]), first, second)

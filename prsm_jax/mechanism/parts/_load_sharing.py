@@ -178,7 +178,7 @@ class LoadSharing(Limited):
         "nut and screw are coaxial, and rollers have equal diameters"
     )
     roller_bending: RollerBending | None = part(
-        "rollers neither lean nor bend: what turns them over is held at their ends"
+        "rollers neither lean nor bend: their ends are held rigidly"
     )
     free_nut: FreeNut | None = part("the nut is held: it neither moves sideways nor leans")
 

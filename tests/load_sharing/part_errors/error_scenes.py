@@ -6,7 +6,7 @@ from typing import Any
 import equinox as eqx
 import numpy as np
 from scenes import array
-from sharing_scenes import sharing_stage
+from sharing_scenes import flank_compliances, force_slope_energy, shaft_stiffnesses, sharing_stage
 
 from prsm_jax.load_sharing import stage_load_distribution
 from prsm_jax.mechanism import FreeNut, PartErrors
@@ -48,20 +48,6 @@ def shared(stage, load=LOAD) -> Any:
     found = _shared(stage, array(load))
     assert bool(found.converged)
     return found
-
-
-def _force(approach, hertz, tooth):
-    """Root of c f + b f^{2/3} = δ and its slope; 0 where flanks are apart."""
-    touching = approach > 0
-    delta = np.where(touching, approach, 1e-6)
-    root = np.sqrt(delta / hertz)
-    for _ in range(60):
-        root = root - (tooth * root**3 + hertz * root**2 - delta) / (
-            3 * tooth * root**2 + 2 * hertz * root
-        )
-    slope = 3 * root / (3 * tooth * root + 2 * hertz)
-    energy = tooth * root**6 / 2 + 0.4 * hertz * root**5
-    return [np.where(touching, one, 0.0) for one in (root**3, slope, energy)]
 
 
 def _vectors(amount, angle):
@@ -108,14 +94,9 @@ class Own:
         thicker = self.slope * e["roller_diameter_deviation"][:, None] / 2
         self.screw_gap = -opened("screw", self.radius[1]) + moved[0] - thicker
         self.nut_gap = opened("nut", self.radius[0]) - moved[1] - thicker
-        self.compliances = [
-            (float(side.hertz[0, 0]), float(side.tooth[0, 0]))
-            for side in (chains.screw, chains.nut)
-        ]
-        self.shafts = [
-            1 / float(one[0])
-            for one in (chains.screw_segment, chains.nut_segment, chains.roller_segment)
-        ]
+        self.compliances = flank_compliances(chains)
+        screw, roller, nut = shaft_stiffnesses(chains)
+        self.shafts = [screw, nut, roller]
         self._solve()
 
     def _through(self, moved):
@@ -168,8 +149,8 @@ class Own:
         linear = linear + 1e-3 * np.diag(np.r_[np.ones(2 * n + ROLLERS * n), np.zeros(size)][:size])
 
         def of(x):
-            screw = _force(on_screw @ x - self.screw_gap.ravel(), *self.compliances[0])
-            nut = _force(on_nut @ x - self.nut_gap.ravel(), *self.compliances[1])
+            screw = force_slope_energy(on_screw @ x - self.screw_gap.ravel(), *self.compliances[0])
+            nut = force_slope_energy(on_nut @ x - self.nut_gap.ravel(), *self.compliances[1])
             energy = x @ linear @ x / 2 - pull @ x + screw[2].sum() + nut[2].sum()
             slope = linear @ x - pull + on_screw.T @ screw[0] + on_nut.T @ nut[0]
             return energy, slope, screw, nut
