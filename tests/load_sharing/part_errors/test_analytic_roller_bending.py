@@ -178,7 +178,7 @@ def test_more_shapes_are_closer_to_the_beam():
 @pytest.mark.parametrize("backlash", [None, 3e-6])
 def test_a_free_roller_carries_its_moment_by_shifted_loads(shapes, backlash):
     """2 r F = F tan α Δz: the forces of the nut act 2 r / tan α beyond those of the screw."""
-    play = {} if backlash is None else {"backlash": array(backlash)}
+    play: dict[str, Any] = {} if backlash is None else {"backlash": array(backlash)}
     stage = _stage(shapes=shapes, **play)
     found, z = _found(stage), _places(stage)
     centre = [np.sum(z * s.forward[0]) / np.sum(s.forward[0]) for s in (found.screw, found.nut)]
@@ -276,7 +276,7 @@ def _of_energy(stage, load) -> Any:
 @pytest.mark.parametrize("backlash", [None, 3e-6])
 def test_the_energy_is_the_work_of_the_load(backlash):
     """dU/dF = F dx/dF: the energy of bending and of the support is counted once."""
-    play = {} if backlash is None else {"backlash": array(backlash)}
+    play: dict[str, Any] = {} if backlash is None else {"backlash": array(backlash)}
     stage = _stage(SUPPORT, **play)
     slope, found = _of_energy(stage, array(LOAD))
     assert float(slope) == pytest.approx(LOAD / float(found.tangent_stiffness), rel=1e-9)
