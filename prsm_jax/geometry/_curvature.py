@@ -52,20 +52,22 @@ def relative_curvature(slope: Slope, hessian: SymmetricTensor) -> RelativeCurvat
     )
 
 
-def direction_coefficient(
-    hessian: SymmetricTensor, direction: tuple[Scalar, Scalar], normal_axial: Scalar
-) -> Scalar:
-    """Coefficient of the gap along one direction of the tangent plane, between A and B [1/m].
+def direction_coefficient(curvature: RelativeCurvature, rolling: Scalar, across: Scalar) -> Scalar:
+    """Coefficient of the gap along a tangent of unit length, between A and B [1/m].
+
+    For a tangent of any other length, times the square of that length.
 
     **Arguments:**
 
-    - `hessian`: the Hessian of the axial gap over the transverse plane [1/m].
-    - `direction`: x and y of a unit vector in the tangent plane.
-    - `normal_axial`: axial component of the unit normal, positive; it converts axial gaps to gaps
-      along the normal.
+    - `curvature`: of the gap.
+    - `rolling`, `across`: parts of the tangent in the rolling direction, and across it about the
+      normal of the screw side.
     """
-    x, y = direction
-    return normal_axial / 2 * (x**2 * hessian.xx + 2 * x * y * hessian.xy + y**2 * hessian.yy)
+    return (
+        curvature.rolling * rolling**2
+        + 2 * curvature.twist * rolling * across
+        + (curvature.total - curvature.rolling) * across**2
+    )
 
 
 def tangent_tensor(

@@ -10,7 +10,6 @@ from ..fields import Scalar
 from ..mechanism import Stage, Thread
 from ..programs import physics
 from ._curvature import direction_coefficient
-from ._flanks import SymmetricTensor, flanks_of, nut_side_hessian, screw_side_hessian
 from ._meshing import Meshing, ThreadContact
 
 #: Direction of an end from the contact point: towards the roller axis or away from it.
@@ -82,26 +81,34 @@ def _from_nominal(thread: Thread, end: _Radius) -> Scalar:
 
 
 def _from_contact(
-    contact: ThreadContact, end: _Radius, hessian: SymmetricTensor, outside: bool
-) -> tuple[Scalar, Scalar]:
-    """Distance from the contact point in the tangent plane, and the gap's coefficient along it."""
-    if end.body == "roller":
-        radius, angle = contact.roller_contact_radius, contact.roller_angle_position
-        # About the roller axis, from which x points to the screw axis. An outside contact lies on
-        # the other side of it; the sense of the direction has no effect.
-        radial = -jnp.cos(angle), -jnp.sin(angle) if outside else jnp.sin(angle)
-    else:
-        radius, angle = contact.contact_radius, contact.contact_angle_position
-        radial = jnp.cos(angle), jnp.sin(angle)
-    x, y, z = contact.normal[0], contact.normal[1], contact.normal[2]
-    radial_normal = radial[0] * x + radial[1] * y
-    # Increase of the radius per length, along the steepest direction of the tangent plane.
-    rate = jnp.sqrt(1 - radial_normal**2)
-    along = (radial[0] - radial_normal * x) / rate, (radial[1] - radial_normal * y) / rate
-    radial_distance = end.radius - radius
-    outer = (end.kind == "crest") != (end.body == "nut")
-    distance = (radial_distance if outer else -radial_distance) / rate
-    return distance, direction_coefficient(hessian, along, jnp.abs(z))
+    contact: ThreadContact, ends: tuple[_Radius, ...], side: str, outside: bool
+) -> list[tuple[Scalar, Scalar]]:
+    """Distances from the contact point in the tangent plane, and the gap's coefficients there."""
+    x, y, z = contact.normal_parts
+    # Curvatures are given about the normal of the screw side; the nut's points the other way.
+    z = z if side == "screw" else -z
+    level_squared = x**2 + y**2
+    seen = []
+    for end in ends:
+        if end.body == "roller":
+            radius, angle = contact.roller_contact_radius, contact.roller_angle_position
+            # About the roller axis, from which x points to the screw axis. An outside contact lies
+            # on the other side of it; the sense of the direction has no effect.
+            radial = -jnp.cos(angle), -jnp.sin(angle) if outside else jnp.sin(angle)
+        else:
+            radius, angle = contact.contact_radius, contact.contact_angle_position
+            radial = jnp.cos(angle), jnp.sin(angle)
+        radial_normal = radial[0] * x + radial[1] * y
+        # Squared increase of the radius per length, along the steepest direction of the plane.
+        rate_squared = 1 - radial_normal**2
+        radial_distance = end.radius - radius
+        outer = (end.kind == "crest") != (end.body == "nut")
+        distance = (radial_distance if outer else -radial_distance) / jnp.sqrt(rate_squared)
+        # That direction, times the root of the product of both squares, by its parts.
+        rolling, across = radial[1] * x - radial[0] * y, -z * radial_normal
+        coefficient = direction_coefficient(contact.curvature, rolling, across)
+        seen.append((distance, coefficient / (rate_squared * level_squared)))
+    return seen
 
 
 def _way(end: _Radius) -> Way:
@@ -141,14 +148,12 @@ def _ends(
             for end in radii
         )
     contact: ThreadContact = getattr(meshing, side)
-    x = contact.contact_radius * jnp.cos(contact.contact_angle_position)
-    y = contact.contact_radius * jnp.sin(contact.contact_angle_position)
-    hessian = (screw_side_hessian if side == "screw" else nut_side_hessian)(flanks_of(thread), x, y)
     # On the line of centres, where rollers roll, both directions are one.
     outside = side == "nut" and side in thread.family.sliding
+    seen = _from_contact(contact, radii, side, outside)
     return tuple(
-        FlankEnd(*_from_contact(contact, end, hessian, outside), end.kind, end.body, _way(end))
-        for end in radii
+        FlankEnd(*numbers, end.kind, end.body, _way(end))
+        for end, numbers in zip(radii, seen, strict=True)
     )
 
 

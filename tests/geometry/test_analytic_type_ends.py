@@ -1,15 +1,19 @@
 """Ends of flanks where the contact lies beside the line of centres in a nut, by a walk to them."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scenes import example, mesh
 
-from prsm_jax.geometry import flank_ends
+from prsm_jax.geometry import flank_ends, flanks_of, nut_side_hessian
 from tests.present import present
 
 
-def test_distances_to_the_crests_of_nut_and_roller():
+def test_ways_to_the_crests_of_nut_and_roller():
     """Along the tangent plane, straight away from the axis of each body, by geometry in NumPy.
+
+    The gap's coefficient along such a way is the second derivative of the axial gap along its
+    projection, times half the normal's axial part.
 
     A crest is a circle about that axis; the steepest way to it in the plane is the projection of
     the radial direction. Its curvature over this way is left out, as in the package.
@@ -27,12 +31,18 @@ def test_distances_to_the_crests_of_nut_and_roller():
         "nut": float(thread.nut_radius - present(thread.screw_addendum)),
         "roller": float(thread.roller_radius + present(thread.roller_addendum)),
     }
-    found = {end.body: float(end.distance) for end in ends if end.kind == "crest"}
+    flanks = flanks_of(thread)
+    hessian = nut_side_hessian(flanks, jnp.asarray(point[0]), jnp.asarray(point[1]))
+    bend = np.array([[hessian.xx, hessian.xy], [hessian.xy, hessian.yy]], dtype=float)
+    found = {end.body: end for end in ends if end.kind == "crest"}
     for body, axis in axes.items():
         arm = point - axis
         radial = arm / np.linalg.norm(arm)
         steepest = radial - (radial @ normal) * normal
-        rate = steepest @ radial / np.linalg.norm(steepest)
+        steepest /= np.linalg.norm(steepest)
+        rate = steepest @ radial
         away = crests[body] - np.linalg.norm(arm)
         away = -away if body == "nut" else away
-        assert found[body] == pytest.approx(away / rate, rel=1e-12)
+        assert float(found[body].distance) == pytest.approx(away / rate, rel=1e-12)
+        coefficient = abs(normal[2]) / 2 * steepest[:2] @ bend @ steepest[:2]
+        assert float(present(found[body].coefficient)) == pytest.approx(coefficient, rel=1e-12)
