@@ -11,7 +11,6 @@ from .._errors import MissingDataError
 from ..fields import In, Scalar
 from ..geometry import Meshing, mesh
 from ..mechanism import Stage, material_of
-from ..numerics import apart_in_derivatives
 from ..results import Result
 from ._conventions import ContactFrame, contact_frames
 from .hertz import HertzContact, HertzMethod, contact_modulus, hertz_contact
@@ -64,7 +63,7 @@ def _hertz_of(stage: Stage, method: HertzMethod | None = None) -> Callable[..., 
     All thread contacts of the package are computed by this function.
     """
     chosen = stage.contact_method if method is None else method
-    return apart_in_derivatives(functools.partial(hertz_contact, method=chosen))
+    return functools.partial(hertz_contact, method=chosen)
 
 
 def side_contact(

@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool, Float
 
 from ..fields import In, Scalar
 from ..mechanism import Side, Thread, of_one_design
-from ..numerics import apart_in_derivatives, find_root_of
+from ..numerics import find_root_of
 from ..programs import one_program, physics
 from ..results import Result
 from ._curvature import RelativeCurvature, relative_curvature
@@ -187,7 +187,7 @@ def _where_it_slides(flanks: FlankGeometry, side: Side) -> _Touch:
         roller_contact_radius=triangle.roller_radius if on_screw else -triangle.roller_radius,
         roller_angle_position=jnp.arctan2(y, distance - x if on_screw else x - distance),
         normal_parts=_unit_normal(slope, 1.0 if on_screw else -1.0),
-        curvature=apart_in_derivatives(relative_curvature)(slope, hessian),
+        curvature=relative_curvature(slope, hessian),
     )
     return _Touch(contact, x, y, converged)
 
@@ -205,7 +205,7 @@ def _where_it_rolls(flanks: FlankGeometry, side: Side, roller_radius: Scalar) ->
         roller_contact_radius=roller_radius,
         roller_angle_position=on_line,
         normal_parts=_unit_normal(slope, -1.0 if on_nut else 1.0),
-        curvature=apart_in_derivatives(relative_curvature)(slope, hessian),
+        curvature=relative_curvature(slope, hessian),
     )
     return _Touch(contact, radius, on_line, None)
 

@@ -3,7 +3,7 @@
 Nothing here calls LAPACK, whose batched calls deadlock between threads of one process.
 """
 
-from ._apart import apart as apart, apart_in_derivatives as apart_in_derivatives
+from ._apart import apart as apart
 from ._cubic import root_above_one as root_above_one
 from ._elimination import (
     Factors as Factors,

@@ -8,7 +8,6 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jax.core import Tracer
-from jax.custom_derivatives import SymbolicZero
 from jax.extend.core import jaxpr_as_fun
 
 _Parameters = ParamSpec("_Parameters")
@@ -54,55 +53,6 @@ def apart(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Re
             lambda *_: [_none(value) for value in traced.out_avals],
             *leaves,
         )
-        return eqx.combine(jax.tree.unflatten(output[0], results), output[1])
-
-    return run
-
-
-def apart_in_derivatives(
-    function: Callable[_Parameters, _Result],
-) -> Callable[_Parameters, _Result]:
-    """Compile the derivatives of a function as separate parts (`apart`), but not its value.
-
-    A value is computed as without this. Its derivatives, in either mode and to any order, are
-    operations on the results of the parts before; without a cut XLA recomputes those parts in the
-    derivatives of every later part, and a Hessian is a program ten times as large.
-
-    **Arguments:**
-
-    - `function`: as in `apart`.
-    """
-
-    @functools.wraps(function)
-    def run(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> _Result:
-        numbers, others = eqx.partition((args, kwargs), eqx.is_array)
-        leaves, structure = jax.tree.flatten(numbers)
-        if not any(isinstance(leaf, Tracer) for leaf in leaves):
-            return function(*args, **kwargs)
-        output: list[Any] = []
-
-        def of_leaves(*leaves):
-            args, kwargs = eqx.combine(jax.tree.unflatten(structure, leaves), others)
-            numbers, rest = eqx.partition(function(*args, **kwargs), eqx.is_array)
-            leaves, output[:] = jax.tree.leaves(numbers), (jax.tree.structure(numbers), rest)
-            return leaves
-
-        value = jax.custom_jvp(of_leaves)
-
-        @functools.partial(value.defjvp, symbolic_zeros=True)
-        def _derivative(primals, tangents):
-            # Constant numbers are not differentiated.
-            moving = [
-                i for i, change in enumerate(tangents) if not isinstance(change, SymbolicZero)
-            ]
-
-            def of_moving(*moved):
-                new = dict(zip(moving, moved, strict=True))
-                return apart(of_leaves)(*(new.get(i, leaf) for i, leaf in enumerate(primals)))
-
-            return jax.jvp(of_moving, [primals[i] for i in moving], [tangents[i] for i in moving])
-
-        results = value(*leaves)
         return eqx.combine(jax.tree.unflatten(output[0], results), output[1])
 
     return run

@@ -25,7 +25,7 @@ from ..contact import (
 from ..fields import Scalar
 from ..geometry import FlankEnd, Meshing, flank_ends, flanks_end
 from ..mechanism import Stage
-from ..numerics import apart_in_derivatives, find_root_of
+from ..numerics import find_root_of
 from ._contacts import REFERENCE_LOAD, known_contact, thread_share
 from ._powers import positive_power
 
@@ -100,9 +100,7 @@ def side_onsets(
     onsets = [
         SideOnset(
             side.contact.hertz.max_pressure,
-            apart_in_derivatives(onset_pressures)(
-                side.contact.hertz, side.frame.curvature, side.ends
-            ),
+            onset_pressures(side.contact.hertz, side.frame.curvature, side.ends),
         )
         if side.ends
         else None

@@ -1,7 +1,5 @@
 """Parts of programs that are compiled by themselves: the same values and derivatives."""
 
-import functools
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -13,7 +11,7 @@ from scenes import array, example
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import all_kinematics, stage_kinematics
-from prsm_jax.numerics import apart, apart_in_derivatives
+from prsm_jax.numerics import apart
 from prsm_jax.programs import traced_physics
 from tests.present import present
 
@@ -30,35 +28,33 @@ def _function(x, name, *, offset: ArrayLike = 0.0):
     return _Found(value, value > 0.5, jnp.sum(value > 0), f"{name} of {x.shape[0]}")
 
 
-def _value(x, cut=apart):
-    return cut(_function)(x, "a sum", offset=array(0.25)).value
+def _value(x):
+    return apart(_function)(x, "a sum", offset=array(0.25)).value
 
 
-@pytest.mark.parametrize("cut", [apart, apart_in_derivatives])
-def test_values_flags_and_words_are_those_of_the_function(cut):
+def test_values_flags_and_words_are_those_of_the_function():
     x = jnp.linspace(-1.0, 2.0, 5)
     expected = _function(x, "a sum")
-    found = eqx.filter_jit(cut(_function))(x, "a sum")
+    found = eqx.filter_jit(apart(_function))(x, "a sum")
     assert found.words == expected.words == "a sum of 5"
     np.testing.assert_array_equal(found.large, expected.large)
     assert (found.count, found.count.dtype) == (expected.count, expected.count.dtype)
     np.testing.assert_allclose(found.value, expected.value, rtol=1e-15)
 
 
-@pytest.mark.parametrize("cut", [apart, apart_in_derivatives])
-def test_derivatives_are_those_of_the_function(cut):
+def test_derivatives_are_those_of_the_function():
     """Both modes, second derivatives, and batches, against closed forms."""
-    x, value = jnp.linspace(-1.0, 2.0, 5), functools.partial(_value, cut=cut)
+    x = jnp.linspace(-1.0, 2.0, 5)
     slope = jnp.diag(jnp.cos(x) * x + jnp.sin(x))
     for jacobian in (jax.jacfwd, jax.jacrev):
-        np.testing.assert_allclose(jax.jit(jacobian(value))(x), slope, rtol=1e-14, atol=1e-15)
-    second = jax.jit(jax.hessian(lambda x: jnp.sum(value(x))))(x)
+        np.testing.assert_allclose(jax.jit(jacobian(_value))(x), slope, rtol=1e-14, atol=1e-15)
+    second = jax.jit(jax.hessian(lambda x: jnp.sum(_value(x))))(x)
     np.testing.assert_allclose(
         second, jnp.diag(2 * jnp.cos(x) - jnp.sin(x) * x), rtol=1e-13, atol=1e-14
     )
     many = jnp.stack([x, 2 * x])
     np.testing.assert_allclose(
-        jax.jit(jax.vmap(value))(many), jnp.sin(many) * many + 0.25, rtol=1e-14
+        jax.jit(jax.vmap(_value))(many), jnp.sin(many) * many + 0.25, rtol=1e-14
     )
 
 
@@ -68,25 +64,7 @@ def test_the_compiler_does_not_see_through():
     assert "conditional(" in present(jax.jit(_value).lower(x).compile().as_text())
     seen = []
     apart(lambda x: seen.append(isinstance(x, Tracer)))(x)
-    apart_in_derivatives(lambda x: seen.append(isinstance(x, Tracer)))(x)
-    assert seen == [False, False]
-
-
-def test_only_derivatives_are_compiled_apart():
-    """A value has no branches; derivatives have them, but not by numbers that are constant."""
-
-    def total(x, offset):
-        return jnp.sum(apart_in_derivatives(_function)(x, "a sum", offset=offset).value)
-
-    numbers = jnp.linspace(-1.0, 2.0, 5), array(0.25)
-    programs = [
-        jax.jit(one).lower(*numbers) for one in (total, jax.grad(total), jax.grad(total, 1))
-    ]
-    assert "conditional(" not in present(programs[0].compile().as_text())
-    assert "conditional(" in present(programs[1].compile().as_text())
-    # The derivative by the offset is 5, without the sine.
-    assert float(programs[2].compile()(*numbers)) == 5.0
-    assert programs[2].as_text().count("stablehlo.cosine") == 0
+    assert seen == [False]
 
 
 def test_kinematics_of_a_mechanism():
