@@ -23,6 +23,10 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "one at a time": (1e-12,),
         "a batch": (1e-12,),
     },
+    "roller_bending": {
+        "one at a time": (8,),
+        "a batch": (8,),
+    },
     "rough_contact": {"prsm_jax, tolerance 1e-8": (128, 64, 32)},
     "slip_and_spin": {"rule": (32,)},
     "torque_runs": {"integrated carriers, RODASP": (1e-8,)},

@@ -32,6 +32,12 @@ CASES: dict[str, tuple[str, str]] = {
         "Use the default. A loose tolerance saves some of the Newton steps, but loses digits that "
         "a derivative needs. Run batches in `jax.lax.map` with a `batch_size` of a few hundred.",
     ),
+    "roller_bending": (
+        "Rollers that lean and bend",
+        "Eight shapes, the default, have an error below a thousandth of a thread's mean load; more "
+        "approach the beam slowly, because threads press at points. One shape is a rigid roller "
+        "that leans. Beams of finite elements are exact, but take longer.",
+    ),
     "rough_contact": (
         "Contact of true surfaces (half-spaces)",
         "The grid, not the tolerance, determines the error of values: twice as many cells along a "

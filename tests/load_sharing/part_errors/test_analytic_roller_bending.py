@@ -10,15 +10,10 @@ import pytest
 from error_scenes import ERRORS, FREE, stage_with
 from numpy.polynomial.legendre import Legendre
 from scenes import array
-from scipy.optimize import root
-from sharing_scenes import (
-    flank_compliances,
-    force_slope_energy,
-    shaft_stiffnesses,
-    sharing_stage,
-)
+from sharing_scenes import sharing_stage
 
 import prsm_jax as prsm
+from benchmarks.references.roller_bending import balance, bent_rollers
 from prsm_jax import file
 from prsm_jax.cli.verbs._contact import _bent_results as bent_results, _lines_bent as lines_bent
 from prsm_jax.load_sharing import stage_load_distribution
@@ -68,108 +63,30 @@ def _places(stage):
     return float(stage.thread.pitch) * (np.arange(count) - (count - 1) / 2)
 
 
-def _force(approach, hertz, tooth):
-    return force_slope_energy(approach, hertz, tooth)[0]
-
-
-class FiniteElements:
-    """One of equal rollers as a beam of cubic elements, a node per thread, and its chains."""
-
-    def __init__(self, stage, found, support, load=LOAD):
-        self.z, self.load, chains = _places(stage), load, found.chains
-        count = len(self.z)
-        self.count, self.rollers = count, float(chains.weight[0])
-        self.slope = np.tan(float(stage.thread.flank_angle))
-        self.radius = float(stage.thread.roller_radius)
-        self.compliances = flank_compliances(chains)
-        self.segments = shaft_stiffnesses(chains)
-        pitch = float(stage.thread.pitch)
-        length = stage.roller.length
-        half = count * pitch / 2 if length is None else float(length) / 2
-        end = max(half - self.z[-1], pitch / 2)
-        # Nodes at both ends of the roller, too.
-        self.nodes = np.concatenate([[self.z[0] - end], self.z, [self.z[-1] + end]])
-        self.beam = self._beam(_bending_stiffness(stage))
-        if support is not None:
-            ends = np.zeros(len(self.beam))
-            ends[0], ends[-2] = -1.0, 1.0
-            self.beam += support / np.ptp(self.nodes) ** 2 * np.outer(ends, ends)
-        self._solve()
-
-    def _beam(self, bending):
-        size = 2 * len(self.nodes)
-        matrix = np.zeros((size, size))
-        for at, h in enumerate(np.diff(self.nodes)):
-            element = np.array(
-                [
-                    [12, 6 * h, -12, 6 * h],
-                    [6 * h, 4 * h**2, -6 * h, 2 * h**2],
-                    [-12, -6 * h, 12, -6 * h],
-                    [6 * h, 2 * h**2, -6 * h, 4 * h**2],
-                ]
-            )
-            matrix[2 * at : 2 * at + 4, 2 * at : 2 * at + 4] += bending / h**3 * element
-        return matrix
-
-    def _residual(self, unknown):
-        n = self.count
-        screw, roller, nut = np.split(1e-6 * unknown[: 3 * n], 3)
-        # One end stays: a shift of the whole roller changes nothing.
-        beam = np.concatenate([[0.0], 1e-6 * unknown[3 * n :]])
-        moved, lean = beam[2:-2:2], beam[3:-2:2]
-        on_screw = _force(
-            screw - roller - self.slope * moved - self.radius * lean, *self.compliances[0]
-        )
-        on_nut = _force(
-            roller - nut + self.slope * moved - self.radius * lean, *self.compliances[1]
-        )
-        self.screw_force, self.nut_force = on_screw, on_nut
-        count = self.rollers
-        out = [count * on_screw, count * (on_nut - on_screw), -count * on_nut]
-        for row, place, stiffness, many in zip(
-            out, (screw, roller, nut), self.segments, (1.0, count, 1.0), strict=True
-        ):
-            shaft = many * stiffness * np.diff(place)
-            row[:-1] -= shaft
-            row[1:] += shaft
-        out[0][0] -= self.load
-        # The nut is held at the end where the force enters the screw.
-        out[2][0] = 1e9 * nut[0]
-        bent = self.beam @ beam
-        bent[2:-2:2] -= self.slope * (on_screw - on_nut)
-        bent[3:-2:2] -= self.radius * (on_screw + on_nut)
-        return np.concatenate([*out, bent[1:] / 1e-3]) / self.load
-
-    def _solve(self):
-        start = np.zeros(3 * self.count + 2 * len(self.nodes) - 1)
-        start[: self.count], start[self.count : 2 * self.count] = 12.0, 6.0
-        solved = root(self._residual, start, method="lm", options={"xtol": 1e-14, "ftol": 1e-14})
-        self.error = np.abs(self._residual(solved.x)).max()
-
-
 @pytest.mark.parametrize("support", [None, SUPPORT])
 @pytest.mark.parametrize("length", [None, 60e-3])
 def test_against_finite_elements(support, length):
     """Cubic elements are exact for forces at nodes; eight shapes leave 4e-4."""
     stage = _stage(support, length=length)
     found = _found(stage)
-    own = FiniteElements(stage, found, support)
-    assert own.error < 1e-10
-    for force, side in ((own.screw_force, found.screw), (own.nut_force, found.nut)):
+    own = balance(bent_rollers(stage, found.chains, support), LOAD)
+    # Rounding: stiffnesses of short elements (1e10 N/m) times displacements of 1e-5 m.
+    assert own.error < 1e-9
+    for force, side in ((own.screw, found.screw), (own.nut, found.nut)):
         loads = np.asarray(side.forward[0])
         np.testing.assert_allclose(loads, force, atol=1e-3 * force.max())
         # The table changes far more than that.
         plain = _found(sharing_stage())
-        assert np.max(np.abs(np.asarray(plain.screw.forward[0]) - own.screw_force)) > 5.0
+        assert np.max(np.abs(np.asarray(plain.screw.forward[0]) - own.screw)) > 5.0
 
 
 def test_more_shapes_are_closer_to_the_beam():
     stage = _stage()
-    own = FiniteElements(stage, _found(stage), None)
+    own = balance(bent_rollers(stage, _found(stage).chains, None), LOAD)
     errors = []
     for shapes in (3, 5, 8, 12):
         loads = np.asarray(_found(_stage(shapes=shapes)).screw.forward[0])
-        errors.append(np.abs(loads - own.screw_force).max() / own.screw_force.max())
+        errors.append(np.abs(loads - own.screw).max() / own.screw.max())
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 1e-3 < errors[0]
 
