@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..harness import Case, Method, Prepared, Problem, Reference
-from ..references.chains import HERTZ, SEGMENTS, TOOTH, shared
+from ..references.chains import HERTZ, SEGMENTS, TOOTH, flank_force, shared
 
 _THREADS = 20
 _TOLERANCES = (1e-3, 1e-6, 1e-12)
@@ -74,18 +74,6 @@ def _ours(
     return Method(name, prepare, settings, "tolerance")
 
 
-def _flank(approach):
-    """Force and slope of c f + b f^{2/3} = δ, by Newton in f^{1/3} from above."""
-    safe = np.maximum(approach, 1e-300)
-    root = np.minimum(np.sqrt(safe / HERTZ), np.cbrt(safe / TOOTH))
-    for _ in range(6):
-        value = TOOTH * root**3 + HERTZ * root**2 - safe
-        root = root - value / (3 * TOOTH * root**2 + 2 * HERTZ * root)
-    closed = approach > 0
-    slope = 3 * root / (3 * TOOTH * root + 2 * HERTZ)
-    return np.where(closed, root**3, 0.0), np.where(closed, slope, 0.0)
-
-
 class _Displacements:
     """Energy, gradient and banded Hessian over displacements, thread by thread."""
 
@@ -107,8 +95,8 @@ class _Displacements:
         # Displacements [thread, body]; the nut is held where thread 1 is.
         nodes = unknown.reshape(_THREADS, self.size)
         screw, rollers, nut = nodes[:, :1], nodes[:, 1:-1], nodes[:, -1:]
-        first, k1 = _flank(screw - rollers - self.gap.T)
-        second, k2 = _flank(rollers - nut - self.gap.T)
+        first, k1 = flank_force(screw - rollers - self.gap.T)
+        second, k2 = flank_force(rollers - nut - self.gap.T)
         first, k1, second, k2 = (self.weights * x for x in (first, k1, second, k2))
         pull = self.springs * (nodes[:-1] - nodes[1:])
         gradient = np.zeros_like(nodes)

@@ -12,6 +12,8 @@ import numpy as np
 
 from prsm_jax.mechanism import material_of
 
+from .chains import flank_force
+
 #: Unknown displacements at the start: screw and rollers close all contacts [m].
 _CLOSED = (12e-6, 6e-6)
 
@@ -78,18 +80,6 @@ def bent_rollers(stage: Any, chains: Any, support: float | None) -> BentRollers:
     )
 
 
-def _flank(approach, hertz, tooth):
-    """Force and slope of c f + b f^{2/3} = δ, by Newton in f^{1/3} from above."""
-    safe = np.maximum(approach, 1e-300)
-    root = np.minimum(np.sqrt(safe / hertz), np.cbrt(safe / tooth))
-    for _ in range(8):
-        value = tooth * root**3 + hertz * root**2 - safe
-        root = root - value / (3 * tooth * root**2 + 2 * hertz * root)
-    closed = approach > 0
-    slope = 3 * root / (3 * tooth * root + 2 * hertz)
-    return np.where(closed, root**3, 0.0), np.where(closed, slope, 0.0)
-
-
 def _beam(nodes: np.ndarray, bending: float) -> np.ndarray:
     """Stiffness over deflection and slope of each node."""
     matrix = np.zeros((2 * len(nodes), 2 * len(nodes)))
@@ -144,7 +134,7 @@ class _Model:
         unbalanced, tangent, forces = self.stiffness @ x, self.stiffness.copy(), []
         unbalanced[0] -= load
         for opens, (hertz, tooth) in zip(self.opens, self.given.compliances, strict=True):
-            force, slope = _flank(opens @ x, hertz, tooth)
+            force, slope = flank_force(opens @ x, hertz, tooth)
             unbalanced += self.given.rollers * opens.T @ force
             tangent += self.given.rollers * (opens.T * slope) @ opens
             forces.append(force)
@@ -161,23 +151,26 @@ def balance(given: BentRollers, load: float, tolerance: float = 1e-13) -> Balanc
     - `tolerance`: on the largest unbalanced force (moments over the pitch), over the load.
     """
     model = _Model(given)
-    x, unit = model.start, np.ones(len(model.start))
+    unit = np.ones(len(model.start))
     unit[3 * len(given.places) :: 2] = 1 / (given.places[1] - given.places[0])
-    unbalanced, forces, tangent = model.evaluate(x, load)
+
+    def error_of(unbalanced):
+        return float(np.max(np.abs(unbalanced * unit))) / load
+
+    x, (unbalanced, forces, tangent) = model.start, model.evaluate(model.start, load)
     for _ in range(100):
-        error = np.max(np.abs(unbalanced * unit)) / load
+        error = error_of(unbalanced)
         if error <= tolerance:
             break
         step, share = np.linalg.solve(tangent, -unbalanced), 1.0
-        along = unbalanced @ step
-        while True:
-            trial = model.evaluate(x + share * step, load)
-            # The energy is convex: its slope along the step rises from negative to about zero.
-            if trial[0] @ step <= 0.5 * abs(along) or share < 1e-6:
-                break
+        along = abs(unbalanced @ step)
+        trial = model.evaluate(x + step, load)
+        # The energy is convex: its slope along the step rises from negative to about zero.
+        while trial[0] @ step > along / 2 and share > 1e-6:
             share /= 2
-        if np.max(np.abs(trial[0] * unit)) >= np.max(np.abs(unbalanced * unit)) and error < 1e-9:
+            trial = model.evaluate(x + share * step, load)
+        if error < 1e-9 and error_of(trial[0]) >= error:
+            # Rounding.
             break
         x, (unbalanced, forces, tangent) = x + share * step, trial
-    error = np.max(np.abs(unbalanced * unit)) / load
-    return Balance(forces[0], forces[1], float(error))
+    return Balance(forces[0], forces[1], error_of(unbalanced))

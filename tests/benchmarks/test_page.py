@@ -117,7 +117,9 @@ def test_every_case_has_advice_and_defaults():
     assert set(CASES) == set(case_names()) == set(DEFAULTS)
 
 
-@pytest.mark.parametrize("name", ["hertz", "meshing", "precision", "slip_and_spin", "gradients"])
+@pytest.mark.parametrize(
+    "name", ["hertz", "meshing", "precision", "roller_bending", "slip_and_spin", "gradients"]
+)
 def test_defaults_are_methods_of_their_case(name):
     case = find_case(name, quick=True)
     for problem in case.problems:

@@ -47,20 +47,9 @@ def _found(stage, load=LOAD) -> Any:
     return found
 
 
-def _bending_stiffness(stage):
-    """E I of the section between bore and root, from the numbers of the stage."""
-    tooth = stage.load_sharing.tooth
-    outer = float(stage.thread.roller_radius) - (
-        0.0 if tooth is None else float(tooth.roller_dedendum)
-    )
-    inner = 0.0 if stage.roller.bore_radius is None else float(stage.roller.bore_radius)
-    modulus: Any = material_of(stage, "roller").youngs_modulus
-    return float(modulus) * np.pi / 4 * (outer**4 - inner**4)
-
-
-def _places(stage):
-    count = stage.load_sharing.thread_count
-    return float(stage.thread.pitch) * (np.arange(count) - (count - 1) / 2)
+def _beam_of(stage, found):
+    """Numbers of the rollers, read from the stage by the benchmark's finite elements."""
+    return bent_rollers(stage, found.chains, None)
 
 
 @pytest.mark.parametrize("support", [None, SUPPORT])
@@ -97,7 +86,8 @@ def test_a_free_roller_carries_its_moment_by_shifted_loads(shapes, backlash):
     """2 r F = F tan α Δz: the forces of the nut act 2 r / tan α beyond those of the screw."""
     play: dict[str, Any] = {} if backlash is None else {"backlash": array(backlash)}
     stage = _stage(shapes=shapes, **play)
-    found, z = _found(stage), _places(stage)
+    found = _found(stage)
+    z = _beam_of(stage, found).places
     centre = [np.sum(z * s.forward[0]) / np.sum(s.forward[0]) for s in (found.screw, found.nut)]
     distance = 2 * float(stage.thread.roller_radius) / np.tan(float(stage.thread.flank_angle))
     assert centre[1] - centre[0] == pytest.approx(distance, rel=1e-8)
@@ -105,7 +95,7 @@ def test_a_free_roller_carries_its_moment_by_shifted_loads(shapes, backlash):
 
 def _unbalanced(stage: Any, found, support, z, at):
     """Slope of the energy over each shape of one class, by NumPy's polynomials [N]."""
-    thread, bending = stage.thread, _bending_stiffness(stage)
+    thread, bending = stage.thread, _beam_of(stage, found).bending
     half = float(thread.pitch) * z.shape[-1] / 2
     forces = []
     for side in (found.screw, found.nut):
@@ -143,7 +133,7 @@ def test_two_flanks_under_preload_balance_in_every_shape():
     stage = _stage(SUPPORT, split_nut=split)
     found = _found(stage, 500.0)
     assert float(np.min(np.sum(found.screw.reverse, axis=1))) > 1.0
-    residual = _unbalanced(stage, found, SUPPORT, _places(stage), 0)
+    residual = _unbalanced(stage, found, SUPPORT, _beam_of(stage, found).places, 0)
     assert np.abs(residual).max() < 1e-8 * float(np.sum(found.screw.forward))
 
 
