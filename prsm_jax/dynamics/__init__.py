@@ -9,6 +9,7 @@ from ._kinematics import (
     stage_kinematics as stage_kinematics,
     travel_per_turn as travel_per_turn,
     travel_share as travel_share,
+    turned_contact as turned_contact,
 )
 from ._transient import simulate as simulate
 from .forces import (

@@ -299,7 +299,8 @@ def check_axis(mechanism: Mechanism) -> None:
     """Check that an axis fits its mechanism.
 
     **Raises:** `ValueError` for an axis around several stages, a motor beside a torsional support
-    of the screw, and known distances that the screw does not have.
+    of the body that it turns, a far bearing of a screw that moves along the axis, and known
+    distances that the screw does not have.
     """
     axis = mechanism.axis
     if axis is None:
@@ -310,13 +311,20 @@ def check_axis(mechanism: Mechanism) -> None:
             f"axis: the mechanism has {len(mechanism.stages)} stages, and an axis is modelled "
             "around one; remove the axis, or all stages but one"
         )
-    screw, support = stage.screw, stage.screw.support
+    family = stage.thread.family
+    support = getattr(stage, family.turning).support
     if axis.motor is not None and support is not None and support.torsional_stiffness is not None:
         raise ValueError(
-            "axis.motor turns the screw, which stage.screw.support.torsional_stiffness holds "
-            "against turning; remove one of them (axis.motor.controller holds the motor)"
+            f"axis.motor turns the {family.turning}, which stage.{family.turning}.support."
+            "torsional_stiffness holds against turning; remove one of them "
+            "(axis.motor.controller holds the motor)"
         )
-    check_distances(axis, screw)
+    if axis.shaft is not None and axis.shaft.far_bearing is not None and family.turning == "nut":
+        raise ValueError(
+            f'axis.shaft.far_bearing is given, but with type = "{family.name}" the screw moves '
+            "along the axis, and no bearing holds it; remove it"
+        )
+    check_distances(axis, stage.screw)
 
 
 # Set after the class is created: inside it, this would be taken as the default.

@@ -7,7 +7,7 @@ from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
 from ..fields import Scalar
-from ..mechanism import Axis, Motor
+from ..mechanism import Axis, Motor, Side, Stage
 from ..numerics import above_or_nan, below_or_nan
 from ..vibration import (
     RIGID_SHARE,
@@ -114,23 +114,33 @@ def axial_modes(analysis: Analysis, motor_held: bool = False) -> AxialModes:
     return analysis.once(("axial_modes", int(motor_held)), make)
 
 
+def _is_held(stage: Stage, side: Side, direction: str) -> bool:
+    """Whether screw or nut, with the ring gear that is fixed to the nut, has such a support."""
+    bodies = (stage.screw,) if side == "screw" else (stage.nut, stage.ring_gear)
+    supports = [None if body is None else body.support for body in bodies]
+    return any(
+        one is not None and getattr(one, f"{direction}_stiffness") is not None for one in supports
+    )
+
+
 def axis_stiffness(analysis: Analysis, motor_held: bool) -> Scalar:
     """Static force per displacement at the load [N/m].
 
-    **Raises:** `MissingDataError` if nothing holds the screw along the axis or the nut against
-    turning.
+    **Raises:** `MissingDataError` if nothing holds the body that turns along the axis (the screw;
+    of an inverted roller screw the nut), or the other one against turning.
     """
     axis, stage = axis_of(analysis), analysis.mechanism.stages[0]
-    support, far = stage.screw.support, None if axis.shaft is None else axis.shaft.far_bearing
-    if far is None and (support is None or support.axial_stiffness is None):
+    family = stage.thread.family
+    far = None if axis.shaft is None else axis.shaft.far_bearing
+    if far is None and not _is_held(stage, family.turning, "axial"):
         raise MissingDataError(
-            "nothing holds the screw along the axis; give stage.screw.support.axial_stiffness, "
-            "that of its thrust bearing"
+            f"nothing holds the {family.turning} along the axis; give "
+            f"stage.{family.turning}.support.axial_stiffness, that of its thrust bearing"
         )
-    on_nut = [stage.nut.support, None if stage.ring_gear is None else stage.ring_gear.support]
-    if not any(one is not None and one.torsional_stiffness is not None for one in on_nut):
+    if not _is_held(stage, family.held, "torsional"):
         raise MissingDataError(
-            "nothing keeps the nut from turning; give stage.nut.support.torsional_stiffness"
+            f"nothing keeps the {family.held} from turning; give "
+            f"stage.{family.held}.support.torsional_stiffness"
         )
 
     def make() -> Scalar:
@@ -145,16 +155,21 @@ def axis_stiffness(analysis: Analysis, motor_held: bool) -> Scalar:
 def reduced_inertia(analysis: Analysis) -> Scalar:
     """Moment of inertia at the motor of everything that it moves, with rigid springs [kg·m²].
 
-    Rotor and screw turn; nut, rollers, carriers and load move by the lead for each turn. The
+    Rotor and screw turn; nut, rollers, carriers and load move by the lead for each turn. In an
+    inverted roller screw rotor and nut turn, and screw, rollers, carriers and load move. The
     rollers' own rotation and their motion around the screw are left out.
     """
     system = axis_spatial_system(analysis)
     assert system.axis is not None
     stage = analysis.mechanism.stages[0]
-    travel = stage.thread.lead / (2 * jnp.pi)
+    family = stage.thread.family
+    on_screw = [body.name for body in system.axis.bodies if body.name.startswith("screw_")]
+    parts: dict[Side, list[str]] = {"screw": ["screw", *on_screw], "nut": ["nut"]}
+    travel = stage.thread.ideal_travel / (2 * jnp.pi)
     bodies = (*system.bodies, *system.axis.bodies)
-    turning = [b.equivalent_mass for b in bodies if b.name in ("screw", "screw_end", "motor")]
-    moving = [b.axial_mass for b in bodies if b.name in ("nut", "load")]
+    turn, move = (*parts[family.turning], "motor"), (*parts[family.held], "load")
+    turning = [body.equivalent_mass for body in bodies if body.name in turn]
+    moving = [body.axial_mass for body in bodies if body.name in move]
     moving.append(stage.present_roller_count * system.roller_mass)
     inertia = jnp.sum(jnp.stack([one for one in turning if one is not None]))
     mass = jnp.sum(jnp.stack([one for one in moving if one is not None]))

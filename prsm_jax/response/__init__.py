@@ -25,6 +25,8 @@ from ._orders import (
     ExcitationOrder as ExcitationOrder,
     excitation_orders as excitation_orders,
     find_order as find_order,
+    gear_mesh_order as gear_mesh_order,
+    has_gear_teeth as has_gear_teeth,
     phasing as phasing,
     working_carrier_ratio as working_carrier_ratio,
 )

@@ -24,9 +24,10 @@ class AxisCompliance(AbstractResult):
 
     #: [Hz].
     frequency: Float[Array, " frequencies"]
-    #: At the nut, along the axis [m/N].
+    #: At the nut, along the axis; of an inverted roller screw, at the screw [m/N].
     nut: Complex[Array, " frequencies"]
-    #: At the load, beyond the thrust tube [m/N]; `None` if the load is fixed to the nut.
+    #: At the load, beyond the thrust tube, or at the end of an elastic inverted screw [m/N]; `None`
+    #: if the load is fixed to the nut.
     load: Complex[Array, " frequencies"] | None
     #: At the rotor of the motor [rad/(N·m)]; `None` without a motor.
     motor: Complex[Array, " frequencies"] | None
@@ -91,8 +92,9 @@ def axis_compliance(
     system = stage_spatial_system(mechanism, 1, load, sticking=sticking)
     assert system.axis is not None
     network, axis = spatial_harmonic_network(system, 0), system.axis
-    places = {"nut": Coordinate("nut", "z"), "load": Coordinate(axis.load, "z")}
-    if axis.load == "nut":
+    moved = mechanism.stages[0].thread.family.held
+    places = {"nut": Coordinate(moved, "z"), "load": Coordinate(axis.load, "z")}
+    if axis.load == moved:
         del places["load"]
     losses = dissipation(network, stage_damping(mechanism.stages[0], damping))
     if axis.motor is not None:

@@ -1,7 +1,8 @@
 """Creep friction: what the friction of a contact that slides steadily does to small vibration.
 
-The friction of a roller on the screw is `f = −(F μ(|v|)/|v| + c) v` of their slip v. A small
-vibration changes the slip `v₀ t` by w. To first order the friction changes by `−C w`,
+The friction of a roller on the screw (of an inverted roller screw, in the nut) is `f = −(F
+μ(|v|)/|v| + c) v` of their slip v. A small vibration changes the slip `v₀ t` by w. To first order
+the friction changes by `−C w`,
 
     C = c_∥ t tᵀ + c_⊥ b bᵀ,  c_∥ = F dμ/dv + c,  c_⊥ = F μ/v₀ + c,
 
@@ -19,7 +20,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..dynamics import SlidingContact, sliding_contact
+from ..dynamics import SlidingContact, sliding_contact, turned_contact
 from ..fields import In, Scalar
 from ..friction import Sliding
 from ..mechanism import Mechanism, Thread, of_one_design, stage_at
@@ -30,8 +31,9 @@ from ..vibration import (
     RollerSpring,
     SpatialSystem,
     SpringNetwork,
+    contact_places,
     contact_spring,
-    screw_places,
+    nominal_radius,
     spatial_harmonic_network,
     spatial_network,
 )
@@ -43,7 +45,7 @@ _LEAST_SLIP = 1e-15
 
 
 class CreepFriction(Result):
-    """Damping of small vibration by the contacts of screw and rollers, which slide steadily.
+    """Damping of small vibration by the contacts of the rollers that slide steadily.
 
     It holds while the vibration slips slower than the contact (`|w|` well below `slip_speed`), and
     with a constant normal force: that friction follows a vibrating normal force is a force without
@@ -52,7 +54,7 @@ class CreepFriction(Result):
     `slip_speed` over the length of the bristles.
     """
 
-    #: v₀ of the screw over a roller [m/s].
+    #: v₀ over a roller of the body that turns [m/s].
     slip_speed: Annotated[Scalar, In("m/s")]
     #: F of one roller, all its threads together [N].
     contact_force: Annotated[Scalar, In("N")]
@@ -137,8 +139,16 @@ def creep_dashpots(
     along_slip: Scalar,
     across_slip: Scalar,
 ) -> tuple[RollerSpring, RollerSpring]:
-    """The dashpots of a contact along its slip and across it, between screw and roller."""
-    first, normal = sliding.direction, sliding.contact.normal
+    """The dashpots of a contact along its slip and across it, between a body and the roller.
+
+    Those of a nut are given in the frame of the springs, in which the nut presses the rollers
+    towards +z: half a turn about the line of centres from the frame of its sliding contact.
+    """
+    side = thread.family.turning
+    contact, first = sliding.contact, sliding.direction
+    if side == "nut":
+        contact, first = turned_contact(contact), first * jnp.array([1, -1, -1], first.dtype)
+    normal = contact.normal
     second = jnp.stack(
         [
             normal[1] * first[2] - normal[2] * first[1],
@@ -146,10 +156,11 @@ def creep_dashpots(
             normal[0] * first[1] - normal[1] * first[0],
         ]
     )
-    places, radii = screw_places(sliding.contact), (thread.screw_radius, thread.roller_radius)
+    places = contact_places(contact, side, thread.family)
+    radii = nominal_radius(thread, side), thread.roller_radius
     pairs = zip(CREEP_NAMES, (along_slip, across_slip), (first, second), strict=True)
     one, two = (
-        contact_spring(name, "screw", damping, (way[0], way[1], way[2]), places, radii)
+        contact_spring(name, side, damping, (way[0], way[1], way[2]), places, radii)
         for name, damping, way in pairs
     )
     return one, two
@@ -177,8 +188,9 @@ def creep_friction(
     - `speed`: screw speed [rad/s]; default that of the operating point.
     - `load`: axial load [N]; default that of the operating point.
 
-    **Raises:** `MissingDataError` if speed, load or the friction of the threads is not given, or if
-    it is not a standard roller screw; `ValueError` for a stage that does not exist.
+    **Raises:** `MissingDataError` if speed, load or the friction of the threads is not given, or
+    for a recirculating roller screw, whose rollers slide on two bodies; `ValueError` for a stage
+    that does not exist.
     """
     thread = stage_at(mechanism, stage).thread
     sliding = sliding_contact(mechanism, stage, speed, load)

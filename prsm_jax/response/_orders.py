@@ -1,11 +1,12 @@
 """Excitation of a turning roller screw: orders of the screw speed, and phases of the rollers.
 
-Orders are counted in the frame that turns with the rollers, as in the vibration model. With the
-carrier ratio κ = ω/Ω, the screw turns in it at (1 − κ)Ω and the nut at −κΩ; a roller rolls in the
-nut without slip, timed by the ring gear, so it spins at n κ Ω. The rollers travel with the nut, by
-one lead per turn of the screw. A plane that travels with them therefore cuts the screw's threads
-in a section that is at rest in space: rotation and advance of the threads cancel. Relative to the
-rollers this section turns at κ, although the screw itself turns at 1 − κ.
+Orders are counted in the frame that turns with the rollers, as in the vibration model. In a
+standard roller screw, with the carrier ratio κ = ω/Ω, the screw turns in it at (1 − κ)Ω and the nut
+at −κΩ; a roller rolls in the nut without slip, timed by the ring gear, so it spins at n κ Ω. The
+rollers travel with the nut, by one lead per turn of the screw. A plane that travels with them
+therefore cuts the screw's threads in a section that is at rest in space: rotation and advance of
+the threads cancel. Relative to the rollers this section turns at κ, although the screw itself turns
+at 1 − κ.
 """
 
 from typing import Annotated, Literal, TypeAlias
@@ -23,7 +24,7 @@ from ..dynamics import (
     steady_state,
 )
 from ..fields import In, Scalar, plain
-from ..mechanism import Mechanism, Stage, require_type, stage_at
+from ..mechanism import Mechanism, Side, Stage, stage_at
 from ..programs import physics
 from ..results import Result, lines_of
 from ..text import Line
@@ -54,18 +55,19 @@ class ExcitationOrder(Result):
 
 @physics("carrier_ratio")
 def working_carrier_ratio(mechanism: Mechanism, stage: int = 1) -> Scalar:
-    """Carrier speed over screw speed of one stage in its steady state.
+    """Carrier speed over that of the body that turns, of one stage in its steady state.
 
-    With losses in the contacts it is that of the steady operating point; without them, thread
-    friction determines it from geometry alone. If data for the steady state are missing, ideal
-    rolling is assumed, r_s / (2 a).
+    With losses in the contacts, and where it depends on friction (rollers without lead), it is that
+    of the steady operating point; without them, thread friction determines it from geometry alone.
+    If data for the steady state are missing, ideal rolling is assumed, r_s / (2 a), of an inverted
+    roller screw r_n / (2 a).
 
-    **Raises:** `ValueError` for a stage that does not exist; `MissingDataError` if it is not a
-    standard roller screw.
+    **Raises:** `ValueError` for a stage that does not exist.
     """
     chosen = stage_at(mechanism, stage)
-    require_type((chosen,), "the orders of excitation are")
-    if not has_contact_losses(chosen.friction):
+    family = chosen.thread.family
+    of_geometry = family.carrying is not None and family.lead_is_fixed
+    if of_geometry and not has_contact_losses(chosen.friction):
         return free_carrier_ratio(all_kinematics(mechanism)[stage - 1])
     try:
         return steady_state(mechanism).carrier_ratio[stage - 1]
@@ -93,36 +95,75 @@ def excitation_orders(
     the cross-section of the screw pass at the same order, n κ, because the plane of the section
     travels with the rollers; a single start returns after n pitches, at order κ.
 
+    In an inverted roller screw the nut turns: the orders of screw and nut are exchanged,
+    `nut_rotation` takes the place of `screw_rotation`, and the teeth are on the screw
+    (`screw_gear_mesh`). Rollers without lead (recirculating and differential roller screws) keep
+    their place on all threads, so that no thread passes, and a start that deviates does not either.
+
     **Arguments:**
 
     - `stage`: the stage.
-    - `carrier_ratio`: κ; default that of ideal rolling, r_s / (2 a).
-
-    **Raises:** `MissingDataError` if it is not a standard roller screw.
+    - `carrier_ratio`: κ, carrier speed over that of the body that turns; default that of ideal
+      rolling.
     """
-    require_type((stage,), "the orders of excitation are")
     thread, count = stage.thread, plain(stage.roller_count)
+    family = thread.family
     ratio = ideal_carrier_ratio(thread) if carrier_ratio is None else carrier_ratio
     ratio = jnp.asarray(ratio, thread.lead.dtype)
     one, starts = jnp.ones_like(ratio), thread.starts
-    screw, ring, nut = ("screw_roller",), ("ring_roller",), ("nut_roller",)
-    outer = nut if stage.ring_gear is None else ring + nut
+    sides: tuple[Side, ...] = ("screw", "nut")
+    both = tuple(f"{side}_roller" for side in sides)
+    held, turning = family.held, family.turning
+    springs = {side: (f"{side}_roller",) for side in sides}
+    # Teeth on the screw are part of its contact in the bending–torsional model.
+    teeth_at = springs["screw"] if family.gear_body == "screw" else ("ring_roller",)
+    words = {"screw": "the screw", "nut": "the nut"}
+    runout = words[held]
+    if stage.ring_gear is not None:
+        springs["nut"] = teeth_at + springs["nut"]
+        runout = "nut and ring gear"
+    # Speeds of the bodies against the rollers.
+    speed = {held: ratio, turning: 1 - ratio}
     # Name, lobes, speed of the pattern relative to the rollers, contacts, description.
-    patterns = [
-        ("carrier", one, ratio, outer, "runout of nut and ring gear"),
-        ("deviating_start", one, ratio, screw + nut, "one start of screw or nut deviates"),
-        ("screw_rotation", one, 1 - ratio, screw, "runout of the screw"),
-        ("roller_passing_nut", count * one, ratio, outer, "rollers pass a flaw of the nut"),
-        ("roller_passing_screw", count * one, 1 - ratio, screw, "rollers pass a flaw of the screw"),
-        ("thread_passing", starts, ratio, screw + nut, "threads pass along the rollers"),
-    ]
-    if stage.gear is not None and stage.gear.roller_teeth is not None and stage.ring_gear:
+    patterns = [("carrier", one, ratio, springs[held], f"runout of {runout}")]
+    if family.roller_hand:
+        patterns.append(("deviating_start", one, ratio, both, "one start of screw or nut deviates"))
+    turned = f"{turning}_rotation"
+    patterns.append((turned, one, 1 - ratio, springs[turning], f"runout of {words[turning]}"))
+    for side in ("nut", "screw"):
+        name, description = f"roller_passing_{side}", f"rollers pass a flaw of {words[side]}"
+        patterns.append((name, count * one, speed[side], springs[side], description))
+    if family.roller_hand:
+        description = "threads pass along the rollers"
+        patterns.append(("thread_passing", starts, ratio, both, description))
+    if has_gear_teeth(stage):
+        assert stage.gear is not None
+        assert stage.gear.roller_teeth is not None
         teeth = starts * stage.gear.roller_teeth
-        patterns.append(("ring_gear_mesh", teeth, ratio, ring, "teeth of ring gear and rollers"))
+        on_screw = family.gear_body == "screw"
+        name = "screw_gear_mesh" if on_screw else "ring_gear_mesh"
+        description = f"teeth of {'screw' if on_screw else 'ring gear'} and rollers"
+        patterns.append((name, teeth, ratio, teeth_at, description))
     return tuple(
-        ExcitationOrder(lobes * turning, lobes, name, springs, words)
-        for name, lobes, turning, springs, words in patterns
+        ExcitationOrder(lobes * passing, lobes, name, contacts, description)
+        for name, lobes, passing, contacts, description in patterns
     )
+
+
+def has_gear_teeth(stage: Stage) -> bool:
+    """Whether the rollers of a stage have teeth of known number, and what they mesh with."""
+    if stage.gear is None or stage.gear.roller_teeth is None:
+        return False
+    return stage.ring_gear is not None or stage.thread.family.gear_body == "screw"
+
+
+def gear_mesh_order(orders: tuple[ExcitationOrder, ...]) -> ExcitationOrder:
+    """The excitation by teeth, on a ring gear or on the screw.
+
+    **Raises:** `ValueError` if there are none.
+    """
+    on_screw = any(order.name == "screw_gear_mesh" for order in orders)
+    return find_order(orders, "screw_gear_mesh" if on_screw else "ring_gear_mesh")
 
 
 #: Names of earlier releases: the starts of the screw pass with the threads, at n κ.

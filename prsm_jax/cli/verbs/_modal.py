@@ -7,7 +7,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from ..._errors import MissingDataError, PrsmError
-from ...mechanism import Mechanism, find_parameters
+from ...mechanism import Mechanism, find_parameters, stage_at
 from ...quantities import assumptions, available_quantities, compute
 from ...response import SpatialDamping, spatial_damping
 from ...vibration import (
@@ -282,6 +282,7 @@ class Spatial:
             else self.damping.modes
         )
         self.elastic = self.modes.elastic_modes()
+        self.turning = stage_at(mechanism, stage).thread.family.turning
         self.held: SpatialModes | None = None
         axis = mechanism.axis
         if axis is not None and axis.motor is not None:
@@ -358,7 +359,7 @@ def spatial_text(found: Spatial, file: str) -> str:
     shares = [
         (f"{mode.number} {mode.family}", mode.frequency, words, 100 * share)
         for mode in found.elastic[:_MODES]
-        for words, share in list(strain_in_words(mode.strain).items())[:_SPRINGS]
+        for words, share in list(strain_in_words(mode.strain, found.turning).items())[:_SPRINGS]
         if share >= _LEAST
     ]
     title = "Strain energy of axial–torsional modes: which springs to stiffen"

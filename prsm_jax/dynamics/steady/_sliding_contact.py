@@ -17,13 +17,13 @@ from ._steady import all_kinematics, steady_state
 
 
 class SlidingContact(eqx.Module):
-    """Mean slip of the screw over one roller, in the frame of the flank that carries the load.
+    """Mean slip of the body that turns over one roller, in the frame of the flank that carries.
 
-    In this frame the screw presses the rollers towards −z; for a negative load it is turned by half
-    a turn about the line of centres.
+    In this frame that body, the screw (of an inverted roller screw the nut), presses the rollers
+    towards −z; for a negative load it is turned by half a turn about the line of centres.
     """
 
-    #: Slip of the screw over the roller: radial, tangential, axial [m/s].
+    #: Slip of the body that turns over the roller: radial, tangential, axial [m/s].
     velocity: Annotated[Float[Array, "3"], In("m/s")]
     #: Its unit vector; at standstill that of impending motion.
     direction: Float[Array, "3"]
@@ -43,19 +43,21 @@ def sliding_contact(
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
 ) -> SlidingContact:
-    """The contact of screw and roller of one stage at a steady operating point.
+    """The contact on which the rollers of one stage slide, at a steady operating point.
 
     **Arguments:**
 
     - `mechanism`: the mechanism; the stage needs a law of thread friction.
     - `stage`: which stage, counted from 1.
-    - `speed`, `load`: screw speed [rad/s] and load [N]; default those of the operating point.
+    - `speed`, `load`: speed of the body that turns [rad/s] and load [N]; default those of the
+      operating point.
 
-    **Raises:** `MissingDataError` if speed, load or the friction of the threads is not given, or if
-    it is not a standard roller screw; `ValueError` for a stage that does not exist.
+    **Raises:** `MissingDataError` if speed, load or the friction of the threads is not given, or
+    for a recirculating roller screw, whose rollers slide on two bodies; `ValueError` for a stage
+    that does not exist.
     """
     chosen = stage_at(mechanism, stage)
-    require_type((chosen,), "the sliding contact is")
+    require_type((chosen,), "the sliding contact is", ("standard", "inverted", "differential"))
     law = chosen.thread_law
     if law is None:
         raise MissingDataError(

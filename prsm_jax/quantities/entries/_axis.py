@@ -69,8 +69,8 @@ def antiresonance_frequency(analysis: Analysis):
     "servo_stiffness",
     "K_sv",
     "N/m",
-    "static stiffness at the load (at the nut without one) with the motor held by the gain of its "
-    "position controller; held rigidly without a controller",
+    "static stiffness at the load (without one, at the body that moves along the axis) with the "
+    "motor held by the gain of its position controller; held rigidly without a controller",
 )
 def servo_stiffness(analysis: Analysis):
     return axis_stiffness(analysis, motor_held=motor_of(analysis).controller is None)
@@ -80,8 +80,8 @@ def servo_stiffness(analysis: Analysis):
     "held_motor_stiffness",
     "K_hm",
     "N/m",
-    "static stiffness at the load (at the nut without one) with the motor held rigidly, as by a "
-    "position controller with an integral part",
+    "static stiffness at the load (without one, at the body that moves along the axis) with the "
+    "motor held rigidly, as by a position controller with an integral part",
 )
 def held_motor_stiffness(analysis: Analysis):
     motor_of(analysis)

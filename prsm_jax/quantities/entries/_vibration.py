@@ -6,7 +6,7 @@ import jax.numpy as jnp
 
 from ..._errors import MissingDataError
 from ...numerics import above_or_nan
-from ...response import excitation_orders, find_order
+from ...response import excitation_orders, gear_mesh_order, has_gear_teeth
 from ...stiffness import ring_roller_stiffness
 from .._analysis import Analysis
 from .._catalogue import quantity
@@ -143,11 +143,12 @@ def lowest_critical_speed(analysis: Analysis):
     ratios = carrier_ratio(analysis)
     speeds = []
     for index, stage in enumerate(analysis.mechanism.stages):
-        if stage.gear is None or stage.gear.roller_teeth is None or stage.ring_gear is None:
+        if not has_gear_teeth(stage):
             raise MissingDataError(
-                "a stage has no gear teeth; give [stage.ring_gear] and roller_teeth in [stage.gear]"
+                "a stage has no gear teeth; give roller_teeth in [stage.gear], and "
+                "[stage.ring_gear] for a standard roller screw"
             )
-        mesh = find_order(excitation_orders(stage, ratios[index]), "ring_gear_mesh")
+        mesh = gear_mesh_order(excitation_orders(stage, ratios[index]))
         lowest = _lowest_mesh_dominated((analysis.torsional[index], analysis.transverse[index]))
         speeds.append(2 * jnp.pi * lowest / mesh.order)
     return jnp.min(jnp.stack(speeds))

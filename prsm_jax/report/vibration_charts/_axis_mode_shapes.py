@@ -99,7 +99,8 @@ def axis_mode_shapes(
         section = place_axes(figure, _LEFT, top - _PANEL, _SECTION, _PANEL)
         _draw(section, parts, mode, mechanism, energy, last=index == len(chosen) - 1)
         across = place_axes(figure, _LEFT + _SECTION + _GAP, top - _PANEL + 2, _BARS, _PANEL - 3)
-        _bars(across, strain_in_words(mode.strain))
+        turning = mechanism.stages[0].thread.family.turning
+        _bars(across, strain_in_words(mode.strain, turning))
     _legend(figure, height, parts, energy)
     return figure
 

@@ -6,7 +6,7 @@ from ._axis import (
     AxisSystem as AxisSystem,
     axis_system as axis_system,
 )
-from ._bodies import SpatialBody as SpatialBody
+from ._bodies import SpatialBody as SpatialBody, nominal_radius as nominal_radius
 from ._modes import (
     SpatialMode as SpatialMode,
     SpatialModes as SpatialModes,
@@ -27,8 +27,8 @@ from ._spatial_modal import (
 from ._spring_words import strain_in_words as strain_in_words
 from ._springs import (
     RollerSpring as RollerSpring,
+    contact_places as contact_places,
     contact_spring as contact_spring,
-    screw_places as screw_places,
     tangential_ratio as tangential_ratio,
 )
 from ._statics import static_compliance as static_compliance

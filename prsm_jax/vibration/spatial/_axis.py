@@ -1,7 +1,8 @@
 """The axis around a stage: points that move along it or turn, and springs in series between them.
 
-Rotations are `u = r θ` with the nominal radius of the screw, so that a torsional stiffness is
-`k/r²` and a moment of inertia `J/r²`.
+Rotations are `u = r θ` with the nominal radius r of the body that turns (the screw; of an inverted
+roller screw the nut), so that a torsional stiffness is `k/r²` and a moment of inertia `J/r²`. Those
+of an elastic screw have its own radius.
 """
 
 import dataclasses
@@ -11,10 +12,10 @@ import jax.numpy as jnp
 
 from ..._errors import MissingDataError
 from ...fields import Scalar
-from ...mechanism import Axis, AxisShaft, Motor, Stage, material_of, screw_section
+from ...mechanism import Axis, AxisShaft, Motor, Side, Stage, material_of, screw_section
 from ...programs import physics
 from ..model import Coordinate
-from ._bodies import SpatialBody
+from ._bodies import SpatialBody, nominal_radius
 
 
 class AxisBody(eqx.Module):
@@ -56,11 +57,11 @@ class AxisSystem(eqx.Module):
 
     bodies: tuple[AxisBody, ...]
     springs: tuple[AxisSpring, ...]
-    #: Nominal radius of the screw, r of all u = r θ [m].
+    #: Nominal radius of the body that the motor turns, r of the rotor's u = r θ [m].
     radius: Scalar
     #: The part that turns with the motor's rotor; `None` without a motor.
     motor: str | None = eqx.field(static=True)
-    #: The part that moves with the load; the nut without a load.
+    #: The part that moves with the load, or would: the nut, or the end of an inverted screw.
     load: str = eqx.field(static=True)
     #: Whether the rotor is held.
     motor_held: bool = eqx.field(static=True, default=False)
@@ -91,14 +92,15 @@ class AxisSystem(eqx.Module):
         return None
 
 
-#: The end of an elastic screw at its thrust bearing, and the one at the far bearing.
+#: The end of an elastic screw at its thrust bearing (of an inverted one, at the load), and the one
+#: at the far bearing.
 SCREW_END, FAR_END = "screw_end", "screw_far_end"
 
 
 def _shaft(
     stage: Stage, shaft: AxisShaft, screw: SpatialBody
 ) -> tuple[SpatialBody, list[AxisBody], list[AxisSpring]]:
-    """The screw as bars and shafts between thrust bearing, nut and far bearing.
+    """The screw as bars and shafts between thrust bearing (or load), nut and far bearing.
 
     Each section between two of them has half of its mass at either end; what is beyond the last one
     moves with it.
@@ -186,7 +188,8 @@ def axis_system(
     moves on the thrust tube. Where such a spring is not given, the mass is fixed to the next body.
     The screw is rigid, or has bars E A/l and shafts G I_p/l between thrust bearing, nut and far
     bearing, with the section of its root. The proportional gain of the position controller is a
-    torsional spring from the rotor to the housing.
+    torsional spring from the rotor to the housing. In an inverted roller screw the motor turns the
+    nut, and the load moves with the end of the screw, from which the distance of the nut counts.
 
     **Arguments:**
 
@@ -204,23 +207,27 @@ def axis_system(
         raise ValueError("motor_held is True, but the axis has no motor; give [axis.motor]")
     bodies: dict[str, SpatialBody | AxisBody] = {body.name: body for body in stage_bodies}
     springs: list[AxisSpring] = []
-    driven, rotor, load = "screw", None, "nut"
-    radius = stage.thread.screw_radius
+    family = stage.thread.family
+    # The places on the screw and on the nut where motor and load are.
+    at: dict[Side, str] = {"screw": "screw", "nut": "nut"}
+    rotor = None
     if axis.shaft is not None:
-        driven, screw = SCREW_END, bodies["screw"]
+        at["screw"], screw = SCREW_END, bodies["screw"]
         assert isinstance(screw, SpatialBody)
         bodies["screw"], ends, springs = _shaft(stage, axis.shaft, screw)
         bodies |= {end.name: end for end in ends}
+    driven, load = at[family.turning], at[family.held]
+    radius = nominal_radius(stage.thread, family.turning)
     if axis.motor is not None:
         rotor, at_motor = _motor(axis.motor, driven, radius, bodies)
         springs += at_motor
     if axis.load is not None and axis.load.tube_stiffness is not None:
-        load = "load"
+        moved, load = load, "load"
         bodies[load] = AxisBody(load, axis.load.mass)
         tube = (axis.load.tube_stiffness,)
-        springs.append(AxisSpring(tube, ("thrust_tube",), "z", (load, "nut")))
+        springs.append(AxisSpring(tube, ("thrust_tube",), "z", (load, moved)))
     elif axis.load is not None:
-        _heavier(bodies, "nut", "axial_mass", axis.load.mass)
+        _heavier(bodies, load, "axial_mass", axis.load.mass)
     changed = tuple(b for b in bodies.values() if isinstance(b, SpatialBody))
     added = tuple(b for b in bodies.values() if isinstance(b, AxisBody))
     return changed, AxisSystem(added, tuple(springs), radius, rotor, load, motor_held)

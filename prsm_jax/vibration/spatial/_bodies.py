@@ -3,6 +3,7 @@
 import equinox as eqx
 
 from ...fields import Scalar
+from ...mechanism import Side, Thread
 
 
 class SpatialBody(eqx.Module):
@@ -19,3 +20,8 @@ class SpatialBody(eqx.Module):
     #: itself is fixed to another one in z.
     axial_mass: Scalar | None = None
     axial_support: Scalar | None = None
+
+
+def nominal_radius(thread: Thread, side: Side) -> Scalar:
+    """r of u = r θ of screw or nut [m]."""
+    return thread.screw_radius if side == "screw" else thread.nut_radius

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from ...contact import load_of
 from ...fields import Scalar
 from ...geometry import mesh
-from ...mechanism import Mechanism, of_one_design, require_type, stage_at
+from ...mechanism import Mechanism, of_one_design, stage_at
 from ...programs import one_program, physics
 from ...stiffness import loaded_threads, thread_stiffness
 from ._modes import SpatialModes, spatial_modes
@@ -18,6 +18,7 @@ def stage_spatial_system(
     load: float | Scalar | None = None,
     *,
     sticking: bool = True,
+    standstill: bool = False,
     motor_held: bool = False,
 ) -> SpatialSystem:
     """Masses and springs in space of one stage of a mechanism, and of the axis around it.
@@ -25,7 +26,6 @@ def stage_spatial_system(
     **Arguments, raises:** as `spatial_modal`.
     """
     chosen = stage_at(mechanism, stage)
-    require_type((chosen,), "vibration in space (spatial_modal) is")
     meshing = mesh(chosen.thread)
     threads = thread_stiffness(
         chosen,
@@ -33,7 +33,13 @@ def stage_spatial_system(
         tangent=True,
     )
     return spatial_system(
-        chosen, threads, meshing, sticking=sticking, axis=mechanism.axis, motor_held=motor_held
+        chosen,
+        threads,
+        meshing,
+        sticking=sticking,
+        standstill=standstill,
+        axis=mechanism.axis,
+        motor_held=motor_held,
     )
 
 
@@ -46,6 +52,7 @@ def spatial_modal(
     stage: int = 1,
     load: float | Scalar | None = None,
     sticking: bool = True,
+    standstill: bool = False,
     shapes: bool = False,
     motor_held: bool = False,
 ) -> SpatialModes:
@@ -56,7 +63,9 @@ def spatial_modal(
     small, so the contacts have their tangent stiffness at the load. What the file does not hold is
     free: a mechanism without axial supports has rigid motions, of frequency 0, and so has every
     roller that no pin ties to the carrier, because it rolls in the nut while the screw's thread
-    slides on it.
+    slides on it (in an inverted roller screw the other way round). In a differential roller screw
+    such rolling moves the nut along the axis, and in a recirculating one the rollers: friction,
+    which has no stiffness, holds them while they slide.
 
     Where the mechanism has an `axis`, motor, elastic screw and load vibrate with the stage. The
     proportional gain of a position controller is a spring; damping is left out (see
@@ -69,14 +78,19 @@ def spatial_modal(
     - `stage`: which stage, counted from 1. Each stage vibrates on its own.
     - `load`: axial load at which the contact stiffness is taken [N]; default that of the operating
       point, and not needed where the stiffnesses are given.
-    - `sticking`: whether contacts at the nut, which roll, have Mindlin's tangential stiffness.
+    - `sticking`: whether contacts that roll (at the nut of a standard roller screw) have Mindlin's
+      tangential stiffness.
+    - `standstill`: whether the mechanism stands still, as a servo drive that holds its position: no
+      contact slides, and all have the tangential stiffness.
     - `shapes`: also give mass-normalised mode shapes and energy shares.
     - `motor_held`: whether the rotor of the axis' motor does not turn. The frequencies of the group
       `axial_torsional` are then the anti-resonances at the motor.
 
-    **Raises:** `MissingDataError` if data are missing, or if it is not a standard roller screw;
-    `ValueError` for a stage that does not exist, fewer than 3 or unequal rollers, supports that
-    differ in x and y, and a motor that is to be held and does not exist.
+    **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that does not
+    exist, fewer than 3 or unequal rollers, supports that differ in x and y, and a motor that is to
+    be held and does not exist.
     """
-    system = stage_spatial_system(mechanism, stage, load, sticking=sticking, motor_held=motor_held)
+    system = stage_spatial_system(
+        mechanism, stage, load, sticking=sticking, standstill=standstill, motor_held=motor_held
+    )
     return spatial_modes(system, shapes=shapes)

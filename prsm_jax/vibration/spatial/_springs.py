@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from ...contact import contact_modulus
 from ...fields import Scalar
 from ...geometry import ThreadContact
-from ...mechanism import Material
+from ...mechanism import Family, Material, Side
 from ...programs import physics
 
 #: Components along the line of centres (radial, outwards), around the screw (tangential), and
@@ -78,13 +78,21 @@ def contact_spring(
     )
 
 
-def screw_places(contact: ThreadContact) -> tuple[Place, Place]:
-    """The contact point of screw and roller, from the axis of each [m]."""
-    angle, roller_angle = contact.contact_angle_position, contact.roller_angle_position
+def contact_places(contact: ThreadContact, side: Side, family: Family) -> tuple[Place, Place]:
+    """The contact point of a roller with screw or nut, from the axes of that body and roller [m].
+
+    Where the roller rolls, it lies on the line of centres.
+    """
     radius, roller_radius = contact.contact_radius, contact.roller_contact_radius
+    inwards = side == "screw"
+    if side not in family.sliding:
+        zero = jnp.zeros_like(radius)
+        return (radius, zero), (-roller_radius if inwards else roller_radius, zero)
+    angle, roller_angle = contact.contact_angle_position, contact.roller_angle_position
+    outward = roller_radius * jnp.cos(roller_angle)
     return (
         (radius * jnp.cos(angle), radius * jnp.sin(angle)),
-        (-roller_radius * jnp.cos(roller_angle), roller_radius * jnp.sin(roller_angle)),
+        (-outward if inwards else outward, roller_radius * jnp.sin(roller_angle)),
     )
 
 
@@ -96,12 +104,6 @@ def tangents(normal: Vector) -> tuple[Vector, Vector]:
     x, y, z = normal
     flat = jnp.sqrt(x**2 + z**2)
     return (z / flat, jnp.zeros_like(y), -x / flat), (-x * y / flat, flat, -y * z / flat)
-
-
-def nut_places(contact: ThreadContact) -> tuple[Place, Place]:
-    """The contact point of roller and nut, from the axis of each: on the line of centres [m]."""
-    zero = jnp.zeros_like(contact.contact_radius)
-    return (contact.contact_radius, zero), (contact.roller_contact_radius, zero)
 
 
 @physics("tangential_contact")

@@ -1,24 +1,28 @@
 """Masses and springs of one stage whose bodies move in space."""
 
+import functools
+import operator
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ...fields import CountOrTraced, Scalar, as_count, plain
-from ...geometry import Meshing, mesh
-from ...mechanism import Axis, Stage, Support, body_inertia, body_mass, material_of
+from ...geometry import Meshing, ThreadContact, mesh
+from ...mechanism import Axis, Side, Stage, Support, body_inertia, body_mass, material_of
 from ...programs import physics
 from ...stiffness import ThreadStiffness, ring_roller_stiffness
 from ._axis import AxisSystem, axis_system
-from ._bodies import SpatialBody
+from ._bodies import SpatialBody, nominal_radius
 from ._springs import (
     RollerSpring,
+    contact_places,
     contact_spring,
-    nut_places,
-    screw_places,
     tangential_ratio,
     tangents,
 )
+
+SIDES: tuple[Side, ...] = ("screw", "nut")
 
 
 class SpatialSystem(eqx.Module):
@@ -73,42 +77,55 @@ def _supports(stage: Stage, names: tuple[str, ...], direction: str, like: Scalar
 
 
 def _thread_springs(
-    stage: Stage, threads: ThreadStiffness, meshing: Meshing, sticking: bool
+    stage: Stage, threads: ThreadStiffness, meshing: Meshing, sticking: bool, standstill: bool
 ) -> list[RollerSpring]:
     thread = stage.thread
-    screw_radii = thread.screw_radius, thread.roller_radius
-    nut_radii = thread.nut_radius, thread.roller_radius
-    screw, nut = meshing.screw.normal_parts, meshing.nut.normal_parts
-    screw_stiffness = threads.screw_roller / screw[2] ** 2
-    nut_stiffness = threads.nut_roller / nut[2] ** 2
-    at_screw, at_nut = screw_places(meshing.screw), nut_places(meshing.nut)
-    if sticking:
-        ratio = tangential_ratio(material_of(stage, "roller"), material_of(stage, "nut"))
-        tangential = ratio * nut_stiffness
-    else:
-        # Springs without stiffness, as for supports that are not given.
-        tangential = jnp.zeros_like(nut_stiffness)
-    sticks = "sticking_nut_roller"
-    return [
-        contact_spring("screw_roller", "screw", screw_stiffness, screw, at_screw, screw_radii),
-        contact_spring("nut_roller", "nut", nut_stiffness, nut, at_nut, nut_radii),
-        *(
-            contact_spring(sticks, "nut", tangential, tangent, at_nut, nut_radii)
-            for tangent in tangents(nut)
-        ),
-    ]
+    family = thread.family
+    sides: tuple[tuple[Side, ThreadContact, Scalar], ...] = (
+        ("screw", meshing.screw, threads.screw_roller),
+        ("nut", meshing.nut, threads.nut_roller),
+    )
+    normal: list[RollerSpring] = []
+    along: list[RollerSpring] = []
+    for side, contact, axial_stiffness in sides:
+        direction = contact.normal_parts
+        stiffness = axial_stiffness / direction[2] ** 2
+        places = contact_places(contact, side, family)
+        radii = nominal_radius(thread, side), thread.roller_radius
+        normal.append(contact_spring(f"{side}_roller", side, stiffness, direction, places, radii))
+        if side in family.sliding and not standstill:
+            continue
+        if sticking or standstill:
+            ratio = tangential_ratio(material_of(stage, "roller"), material_of(stage, side))
+            tangential = ratio * stiffness
+        else:
+            # Springs without stiffness, as for supports that are not given.
+            tangential = jnp.zeros_like(stiffness)
+        name = f"sticking_{side}_roller"
+        along += [
+            contact_spring(name, side, tangential, tangent, places, radii)
+            for tangent in tangents(direction)
+        ]
+    return normal + along
 
 
-def _gear_spring(stage: Stage, stiffness: Scalar) -> RollerSpring:
-    """The teeth touch where the pitch circles do, and push along the line of action."""
-    zero, radii = jnp.zeros_like(stiffness), (stage.thread.nut_radius, stage.thread.roller_radius)
+def _gear_spring(stage: Stage, stiffness: Scalar, side: Side) -> RollerSpring:
+    """The teeth touch where the pitch circles do, and push along the line of action.
+
+    Teeth of a ring gear push rollers inwards, those of a screw outwards.
+    """
+    outwards = 1 if side == "screw" else -1
+    zero, thread = jnp.zeros_like(stiffness), stage.thread
+    radii = nominal_radius(thread, side), thread.roller_radius
     angle = zero if stage.gear is None else stage.gear.pressure_angle
-    action = -jnp.sin(angle), jnp.cos(angle), zero
-    places = (radii[0], zero), (radii[1], zero)
-    return contact_spring("ring_roller", "nut", stiffness, action, places, radii)
+    action = outwards * jnp.sin(angle), jnp.cos(angle), zero
+    places = (radii[0], zero), (-outwards * radii[1], zero)
+    return contact_spring("ring_roller", side, stiffness, action, places, radii)
 
 
-def _pin_springs(support: Support, like: Scalar, carrier: str | None) -> list[RollerSpring]:
+def _pin_springs(
+    support: Support, like: Scalar, carrier: str | None, beside: Side
+) -> list[RollerSpring]:
     one, zero = jnp.ones_like(like), jnp.zeros_like(like)
     still = (zero, zero, zero, zero)
     springs: list[RollerSpring] = []
@@ -121,10 +138,28 @@ def _pin_springs(support: Support, like: Scalar, carrier: str | None) -> list[Ro
             stiffness, moved = support.radial_stiffness, still if carrier is None else central
             springs.append(RollerSpring(stiffness, roller, moved, name, carrier))
     if support.axial_stiffness is not None:
-        # Carriers are held in the nut by retaining rings, and move axially with it.
-        roller, nut = (zero, zero, -one, zero), (zero, zero, one, zero)
-        springs.append(RollerSpring(support.axial_stiffness, roller, nut, "pin_axial", "nut"))
+        # Retaining rings hold the carriers in the body in which rollers keep their axial place.
+        roller, held = (zero, zero, -one, zero), (zero, zero, one, zero)
+        springs.append(RollerSpring(support.axial_stiffness, roller, held, "pin_axial", beside))
     return springs
+
+
+def _central(stage: Stage, side: Side, carriers: Scalar | None, like: Scalar) -> SpatialBody:
+    """Screw or nut, with the ring gear that is fixed to the nut, and the carriers beside it."""
+    fixed = (side, "ring_gear") if side == "nut" else (side,)
+    given = [name for name in fixed if getattr(stage, name) is not None]
+    mass = functools.reduce(operator.add, (body_mass(stage, name) for name in given))
+    inertia = functools.reduce(operator.add, (body_inertia(stage, name) for name in given))
+    axially = fixed if carriers is None else (*fixed, "carrier")
+    return SpatialBody(
+        mass=mass,
+        equivalent_mass=inertia / nominal_radius(stage.thread, side) ** 2,
+        radial_support=_supports(stage, fixed, "radial", like),
+        torsional_support=_supports(stage, fixed, "torsional", like),
+        name=side,
+        axial_mass=mass if carriers is None else mass + carriers,
+        axial_support=_supports(stage, axially, "axial", like),
+    )
 
 
 @physics("spatial_system")
@@ -134,6 +169,7 @@ def spatial_system(
     meshing: Meshing | None = None,
     *,
     sticking: bool = True,
+    standstill: bool = False,
     axis: Axis | None = None,
     motor_held: bool = False,
 ) -> SpatialSystem:
@@ -141,20 +177,23 @@ def spatial_system(
 
     Screw, nut and each roller move in x, y, z and turn about z; tilts are left out. The ring gear
     is fixed to the nut. A thread contact is a spring along the common normal n of its flanks, with
-    `k_n = k_a / n_z²` from the axial stiffness k_a of all engaged threads; a contact at the nut,
-    which rolls, has Mindlin's stiffness in both tangential directions too, one at the screw, which
-    slides, none. Teeth are springs along their line of action. Pins are springs between rollers and
-    carriers, which move in x and y and turn with them, but axially with the nut. Without pins
-    (`roller.support.radial_stiffness`) nothing connects rollers and carriers: these then only add
-    their mass to the nut in z.
+    `k_n = k_a / n_z²` from the axial stiffness k_a of all engaged threads. Where the rollers roll
+    (in the nut of a standard roller screw), it has Mindlin's stiffness in both tangential
+    directions too; where they slide, none, unless the mechanism stands still. Teeth are springs
+    along their line of action. Pins are springs between rollers and carriers, which move in x and y
+    and turn with them, but axially with the body in which the rollers keep their place (the nut; of
+    an inverted roller screw the screw). Without pins (`roller.support.radial_stiffness`) nothing
+    connects rollers and carriers: these then only add their mass to that body in z.
 
     **Arguments:**
 
     - `stage`: the stage; needs masses and inertias (given or from dimensions).
     - `threads`: axial thread contact stiffness of one roller.
     - `meshing`: its meshing, if already known.
-    - `sticking`: whether contacts at the nut have a tangential stiffness; needs the materials of
-      roller and nut.
+    - `sticking`: whether contacts that roll have a tangential stiffness; needs the materials of
+      the bodies in contact.
+    - `standstill`: whether the mechanism stands still, so that no contact slides: all have a
+      tangential stiffness.
     - `axis`: the axis around the stage (`axis_system`); default none.
     - `motor_held`: whether the rotor of its motor does not turn.
 
@@ -163,50 +202,24 @@ def spatial_system(
     """
     _refuse_asymmetric(stage)
     meshing = mesh(stage.thread) if meshing is None else meshing
-    thread, ring = stage.thread, stage.ring_gear
-    springs = _thread_springs(stage, threads, meshing, sticking)
+    thread = stage.thread
+    springs = _thread_springs(stage, threads, meshing, sticking, standstill)
     like = meshing.nut.contact_radius
     teeth = ring_roller_stiffness(stage)
-    if teeth is not None:
-        springs.append(_gear_spring(stage, teeth))
+    if teeth is not None and thread.family.gear_body is not None:
+        springs.append(_gear_spring(stage, teeth, thread.family.gear_body))
 
     pins = stage.roller.support
     radial_pins = None if pins is None else pins.radial_stiffness
     carrier = stage.carrier if radial_pins is not None else None
+    # Where rollers keep their place in neither body, a cage in the nut guides them.
+    beside = thread.family.carrying or "nut"
     if pins is not None:
-        springs += _pin_springs(pins, like, None if carrier is None else "carrier")
-
-    nut_mass, nut_inertia = body_mass(stage, "nut"), body_inertia(stage, "nut")
-    if ring is not None:
-        nut_mass = nut_mass + body_mass(stage, "ring_gear")
-        nut_inertia = nut_inertia + body_inertia(stage, "ring_gear")
+        springs += _pin_springs(pins, like, None if carrier is None else "carrier", beside)
     carriers = None
-    nut_axial_mass = nut_mass
     if stage.carrier is not None:
         carriers = stage.carrier.count * body_mass(stage, "carrier")
-        nut_axial_mass = nut_mass + carriers
-    screw_mass = body_mass(stage, "screw")
-    on_nut = ("nut", "ring_gear")
-    bodies = [
-        SpatialBody(
-            mass=screw_mass,
-            equivalent_mass=body_inertia(stage, "screw") / thread.screw_radius**2,
-            radial_support=_supports(stage, ("screw",), "radial", like),
-            torsional_support=_supports(stage, ("screw",), "torsional", like),
-            name="screw",
-            axial_mass=screw_mass,
-            axial_support=_supports(stage, ("screw",), "axial", like),
-        ),
-        SpatialBody(
-            mass=nut_mass,
-            equivalent_mass=nut_inertia / thread.nut_radius**2,
-            radial_support=_supports(stage, on_nut, "radial", like),
-            torsional_support=_supports(stage, on_nut, "torsional", like),
-            name="nut",
-            axial_mass=nut_axial_mass,
-            axial_support=_supports(stage, (*on_nut, "carrier"), "axial", like),
-        ),
-    ]
+    bodies = [_central(stage, side, carriers if side == beside else None, like) for side in SIDES]
     if carrier is not None and carriers is not None:
         inertia = carrier.count * body_inertia(stage, "carrier")
         bodies.append(

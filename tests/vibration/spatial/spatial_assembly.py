@@ -5,6 +5,7 @@ from present import present
 from spatial_scenes import THREADS, number
 
 import prsm_jax as prsm
+from prsm_jax.mechanism import body_inertia, body_mass
 
 AXIS = np.array([0.0, 0.0, 1.0])
 
@@ -33,21 +34,25 @@ class Assembly:
         self.rows: list[np.ndarray] = []
         self.stiffness: list[float] = []
         thread = stage.thread
-        count, self.starts = stage.roller_count, number(thread.starts)
+        count = stage.roller_count
         distance = number(thread.centre_distance)
-        ring, cage = present(stage.ring_gear), present(stage.carrier)
-        screw, nut, roller = stage.screw, stage.nut, stage.roller
-        self.add_body("screw", np.zeros(3), [number(screw.mass)] * 3 + [number(screw.inertia)])
-        mass = number(nut.mass) + number(ring.mass)
-        inertia = number(nut.inertia) + number(ring.inertia)
-        cage_mass = cage.count * number(cage.mass)
-        self.add_body("nut", np.zeros(3), [mass, mass, mass + cage_mass, inertia])
-        # The carrier has no z of its own; its third coordinate stays unconnected.
-        cage_inertia = cage.count * number(cage.inertia)
-        self.add_body("carrier", np.zeros(3), [cage_mass, cage_mass, 1.0, cage_inertia])
+        ring = [] if stage.ring_gear is None else ["ring_gear"]
+        cage = stage.carrier
+        cage_mass = 0.0 if cage is None else cage.count * number(body_mass(stage, "carrier"))
+        for side in ("screw", "nut"):
+            fixed = [side, *(ring if side == "nut" else [])]
+            mass = sum(number(body_mass(stage, name)) for name in fixed)
+            inertia = sum(number(body_inertia(stage, name)) for name in fixed)
+            along = mass + cage_mass if side == beside(stage) else mass
+            self.add_body(side, np.zeros(3), [mass, mass, along, inertia])
+        if cage is not None and stage.roller.support is not None:
+            # The carrier has no z of its own; its third coordinate stays unconnected.
+            cage_inertia = cage.count * number(body_inertia(stage, "carrier"))
+            self.add_body("carrier", np.zeros(3), [cage_mass, cage_mass, 1.0, cage_inertia])
+        mass, inertia = (number(law(stage, "roller")) for law in (body_mass, body_inertia))
         for at in range(count):
             place = turned(np.array([distance, 0.0, 0.0]), 2 * np.pi * at / count)
-            self.add_body(at, place, [number(roller.mass)] * 3 + [number(roller.inertia)])
+            self.add_body(at, place, [mass, mass, mass, inertia])
 
     def add_body(self, name, axis, masses):
         self.places[name] = slice(len(self.masses), len(self.masses) + 4)
@@ -85,61 +90,96 @@ class Assembly:
         self.stiffness.append(stiffness)
 
 
-def assembled(stage):
-    """The whole stage from vectors; only radii and angles of the contacts are taken over."""
-    thread, contact = stage.thread, prsm.mesh(stage.thread).screw
-    assembly = Assembly(stage)
-    reduced = number(thread.lead) / (2 * np.pi)
+def beside(stage):
+    """The body with which the carriers move along the axis."""
+    return "screw" if stage.type == "inverted" else "nut"
+
+
+#: By type: the bodies on which rollers slide, and the bodies with a thread.
+SLIDES = {
+    "standard": ("screw",), "inverted": ("nut",), "recirculating": ("screw", "nut"),
+    "differential": ("screw",),
+}  # fmt: skip
+THREADED = dict.fromkeys(SLIDES, ("screw", "nut")) | {"differential": ("screw",)}
+
+
+def contact_of(stage, side):
+    """Touching point and unit normal; only radii and angles of the contact are taken over."""
+    thread, meshing = stage.thread, prsm.mesh(stage.thread)
+    contact = getattr(meshing, side)
+    reduced = number(thread.lead) / (2 * np.pi) if side in THREADED[stage.type] else 0.0
+    if side in SLIDES[stage.type]:
+        radius, angle = number(contact.contact_radius), number(contact.contact_angle_position)
+    else:
+        radius, angle = number(getattr(thread, f"{side}_radius")), 0.0
+    point = np.array([radius * np.cos(angle), radius * np.sin(angle), 0.0])
     slope = np.tan(number(thread.flank_angle))
-    radius, angle = number(contact.contact_radius), number(contact.contact_angle_position)
-    touching = np.array([radius * np.cos(angle), radius * np.sin(angle), 0.0])
-    at_nut = np.array([number(thread.nut_radius), 0.0, 0.0])
-    screw_normal = flank_normal(slope, reduced, touching[:2], upwards=False)
-    nut_normal = flank_normal(slope, reduced, at_nut[:2], upwards=True)
-    screw_stiffness = number(THREADS.screw_roller) / screw_normal[2] ** 2
-    nut_stiffness = number(THREADS.nut_roller) / nut_normal[2] ** 2
+    return point, flank_normal(slope, reduced, point[:2], upwards=side == "nut")
+
+
+def assembled(stage, standstill=False):
+    """The whole stage from vectors; only radii and angles of the contacts are taken over."""
+    thread = stage.thread
+    assembly = Assembly(stage)
     poisson = number(stage.material.poisson_ratio)
-    tangential = 2 * (1 - poisson) / (2 - poisson) * nut_stiffness
-    # Any two directions across the normal will do.
-    across = np.linalg.svd(nut_normal[None, :])[2][1:]
-    pressure = number(present(stage.gear).pressure_angle)
-    action = np.array([-np.sin(pressure), np.cos(pressure), 0.0])
-    pins = present(stage.roller.support)
+    springs = []
+    for side in ("screw", "nut"):
+        point, normal = contact_of(stage, side)
+        stiffness = number(getattr(THREADS, f"{side}_roller")) / normal[2] ** 2
+        springs.append((side, point, normal, stiffness))
+        if standstill or side not in SLIDES[stage.type]:
+            tangential = 2 * (1 - poisson) / (2 - poisson) * stiffness
+            # Any two directions across the normal will do.
+            across = np.linalg.svd(normal[None, :])[2][1:]
+            springs += [(side, point, way, tangential) for way in across]
+    if stage.gear is not None:
+        pressure = number(stage.gear.pressure_angle)
+        side = "screw" if stage.type == "inverted" else "nut"
+        # Teeth push a roller away from the body that has them.
+        away = 1 if side == "screw" else -1
+        action = np.array([away * np.sin(pressure), np.cos(pressure), 0.0])
+        pitch_point = np.array([number(getattr(thread, f"{side}_radius")), 0.0, 0.0])
+        teeth = number(present(stage.stiffness).ring_roller)
+        springs.append((side, pitch_point, action, teeth))
+    pins = stage.roller.support
     for at in range(stage.roller_count):
         turn = 2 * np.pi * at / stage.roller_count
-        inner, outer = turned(touching, turn), turned(at_nut, turn)
-        normal = turned(screw_normal, turn)
-        assembly.between("screw", at, inner, normal, screw_stiffness)
-        assembly.between("nut", at, outer, turned(nut_normal, turn), nut_stiffness)
-        for direction in across:
-            assembly.between("nut", at, outer, turned(direction, turn), tangential)
-        teeth = number(present(stage.stiffness).ring_roller)
-        assembly.between("nut", at, outer, turned(action, turn), teeth)
+        for side, point, way, stiffness in springs:
+            assembly.between(side, at, turned(point, turn), turned(way, turn), stiffness)
         centre = assembly.axes[at]
-        for direction in np.eye(3)[:2]:
-            assembly.between("carrier", at, centre, direction, number(pins.radial_stiffness))
-        assembly.between("nut", at, centre, AXIS, number(pins.axial_stiffness))
+        if pins is not None:
+            for direction in np.eye(3)[:2]:
+                radial = number(pins.radial_stiffness)
+                assembly.between("carrier", at, centre, direction, radial)
+            assembly.between(beside(stage), at, centre, AXIS, number(pins.axial_stiffness))
     for name, own, per in (
         ("screw", "screw", thread.screw_radius),
         ("nut", "nut", thread.nut_radius),
         ("nut", "ring_gear", thread.nut_radius),
         ("carrier", "carrier", thread.centre_distance),
     ):
-        support = getattr(stage, own).support
+        support = getattr(getattr(stage, own), "support", None)
         for place, kind in ((0, "radial"), (1, "radial"), (2, "axial"), (3, "torsional")):
-            stiffness = getattr(support, f"{kind}_stiffness")
+            stiffness = getattr(support, f"{kind}_stiffness", None)
             if stiffness is not None:
-                goes_to = "nut" if kind == "axial" and name == "carrier" else name
+                goes_to = beside(stage) if kind == "axial" and name == "carrier" else name
                 factor = number(per) if kind == "torsional" else 1.0
                 assembly.ground(goes_to, place, number(stiffness), factor)
     return assembly
+
+
+def turning_radius(stage):
+    """r of u = r θ of the motor's rotor."""
+    thread = stage.thread
+    return thread.nut_radius if stage.type == "inverted" else thread.screw_radius
 
 
 def from_assembly(assembly, stage, coordinates):
     """Coordinates of the assembly per coordinate of the package."""
     thread = stage.thread
     radii = {"nut": thread.nut_radius, "carrier": thread.centre_distance}
-    radii |= dict.fromkeys(("screw", "screw_end", "motor"), thread.screw_radius)
+    radii |= dict.fromkeys(("screw", "screw_end"), thread.screw_radius)
+    radii["motor"] = turning_radius(stage)
     change = np.zeros((assembly.size, len(coordinates)))
     for column, coordinate in enumerate(coordinates):
         body, direction = coordinate.body, coordinate.direction

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scenes import example
 
-import prsm_jax as prsm
 from prsm_jax._errors import MissingDataError
 from prsm_jax.mechanism import GivenStiffness, Support
 from prsm_jax.stiffness import thread_stiffness
@@ -50,7 +49,3 @@ def test_what_is_not_known_names_the_type():
                 example("humanoid_leg").stages[0].roller, support=Support(radial_stiffness=1e7)
             ),
         )
-    with pytest.raises(MissingDataError, match=r'vibration in space .* not for type = "inverted"'):
-        prsm.spatial_modal(example("humanoid_leg"))
-    with pytest.raises(MissingDataError, match=r'orders .* not for type = "differential"'):
-        prsm.response.excitation_orders(example("differential_stage").stages[0])
