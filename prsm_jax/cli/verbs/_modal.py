@@ -282,7 +282,6 @@ class Spatial:
             else self.damping.modes
         )
         self.elastic = self.modes.elastic_modes()
-        self.turning = stage_at(mechanism, stage).thread.family.turning
         self.held: SpatialModes | None = None
         axis = mechanism.axis
         if axis is not None and axis.motor is not None:
@@ -356,10 +355,11 @@ def spatial_text(found: Spatial, file: str) -> str:
         listed = [(*AXIS_QUANTITIES[n], v) for n, v in found.axis.items()]
         converted = in_units((words, value, unit) for words, unit, value in listed)
         lines += "\n" + table("Axis", ["", "value", "unit"], converted)
+    turning = stage_at(found.mechanism, found.stage).thread.family.turning
     shares = [
         (f"{mode.number} {mode.family}", mode.frequency, words, 100 * share)
         for mode in found.elastic[:_MODES]
-        for words, share in list(strain_in_words(mode.strain, found.turning).items())[:_SPRINGS]
+        for words, share in list(strain_in_words(mode.strain, turning).items())[:_SPRINGS]
         if share >= _LEAST
     ]
     title = "Strain energy of axial–torsional modes: which springs to stiffen"

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ...mechanism import Side
 from ...response import AxisCompliance
 from ...vibration import SpatialModes
 from .._parts import DASHES, legend_line, plain_ticks
@@ -11,7 +12,6 @@ from .._style import FAMILY_COLOURS, INK, SERIES, Figure, drawn, page_figure
 
 #: Micrometres per kilonewton for a metre per newton.
 _MICROMETRES_PER_KILONEWTON = 1e9
-_NAMES = {"nut": "at the nut", "load": "at the load"}
 
 
 @drawn
@@ -19,6 +19,8 @@ def axis_compliance_chart(
     compliance: AxisCompliance,
     modes: SpatialModes | None = None,
     held: SpatialModes | None = None,
+    *,
+    turning: Side = "screw",
 ) -> Figure:
     """Draw the dynamic compliance at nut and load, and at the motor, over the frequency.
 
@@ -30,12 +32,15 @@ def axis_compliance_chart(
     - `compliance`: from `prsm_jax.response.axis_compliance`.
     - `modes`: natural frequencies to mark, by family.
     - `held`: modes with the motor held; their frequencies are marked as anti-resonances.
+    - `turning`: the body that turns; the other one moves along the axis.
 
     **Returns:** a matplotlib figure; frequencies in Hz, compliances in µm/kN and rad/(N·m).
 
     **Raises:** `MissingExtraError` without matplotlib.
     """
     sizes = {name: np.array(one) for name, one in compliance.magnitudes.items()}
+    moving = "nut" if turning == "screw" else "screw"
+    labels = {"nut": f"at the {moving}", "load": "at the load"}
     panels = [("nut", "load")] + ([("motor",)] if "motor" in sizes else [])
     figure = page_figure(22 + 52 * len(panels))
     every = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
@@ -46,7 +51,7 @@ def axis_compliance_chart(
             if name in sizes:
                 size = np.where(np.isfinite(sizes[name]), factor * sizes[name], np.nan)
                 style: dict[str, Any] = {"color": SERIES[index], "ls": DASHES[index], "lw": 1.2}
-                axes.loglog(hertz, size, label=_NAMES.get(name), zorder=3, **style)
+                axes.loglog(hertz, size, label=labels.get(name), zorder=3, **style)
         axes.grid(which="major")
     every[0].set_ylabel("compliance in µm/kN")
     if len(sizes) > 1 and "load" in sizes:

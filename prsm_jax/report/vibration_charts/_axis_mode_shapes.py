@@ -1,12 +1,13 @@
 """Axial–torsional mode shapes in a longitudinal section of the axis, and where their energy is."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from ...mechanism import Mechanism, nut_outer_radius
+from ...mechanism import Axis, Mechanism, Motor, Side, nut_outer_radius
 from ...text import number, show
 from ...vibration import SpatialMode, SpatialModes, strain_in_words
 from .._parts import CHAIN, MODE_ENERGY, dense_legend, legend_line, per_mode
@@ -94,14 +95,14 @@ def axis_mode_shapes(
         fontsize=SMALL,
         va="center",
     )
+    turning = mechanism.stages[0].thread.family.turning
     for index, mode in enumerate(chosen):
         top = height - _HEADING - index * (_OVER + _PANEL) - _OVER
         section = place_axes(figure, _LEFT, top - _PANEL, _SECTION, _PANEL)
         _draw(section, parts, mode, mechanism, energy, last=index == len(chosen) - 1)
         across = place_axes(figure, _LEFT + _SECTION + _GAP, top - _PANEL + 2, _BARS, _PANEL - 3)
-        turning = mechanism.stages[0].thread.family.turning
         _bars(across, strain_in_words(mode.strain, turning))
-    _legend(figure, height, parts, energy)
+    _legend(figure, height, parts, energy, turning)
     return figure
 
 
@@ -140,21 +141,57 @@ def _parts_of(mechanism: Mechanism) -> list[_Part]:
         parts.append(_Part("screw", (last, length), (0.0, screw), (free, free)))
     if axis is None:
         return parts
+    around = _motor_and_load if thread.family.turning == "screw" else _inverted_motor_and_load
+    return [*parts, *around(axis, length, ends, (screw, nut, outer), near)]
+
+
+_Radii: TypeAlias = tuple[float, float, float]
+
+
+def _motor_and_load(
+    axis: Axis, length: float, ends: tuple[float, float], radii: _Radii, near: str
+) -> Iterator[_Part]:
+    """The motor beside the screw, and the load behind the nut.
+
+    `radii` are those of screw and nut and the outer one of the nut, `ends` those of the nut [mm],
+    and `near` is the part at the left end of the screw.
+    """
+    _, nut, outer = radii
     if axis.motor is not None:
-        own = axis.motor.coupling_stiffness is not None or axis.motor.shaft_stiffness is not None
-        box = -0.24 * length, -0.08 * length
-        size = (0.0, max(1.3 * nut, 0.8 * outer))
-        turned = "motor" if own else near
+        size = 0.0, max(1.3 * nut, 0.8 * outer)
         # The stator stands still; what turns is drawn as an arrow.
-        parts.append(_Part("motor", box, size, ("", ""), turned, -0.16 * length))
+        turned = "motor" if _has_shaft(axis.motor) else near
+        box = -0.24 * length, -0.08 * length
+        yield _Part("motor", box, size, ("", ""), turned, -0.16 * length)
     if axis.load is not None:
         start = max(length, ends[1]) + 0.06 * length
         load = "nut" if axis.load.tube_stiffness is None else "load"
         wall = outer - 0.25 * (outer - nut)
-        parts.append(_Part("tube", (ends[1], start), (wall, outer), ("nut", load)))
-        box = start, start + 0.13 * length
-        parts.append(_Part("load", box, (0.0, 1.25 * outer), (load, load)))
-    return parts
+        yield _Part("tube", (ends[1], start), (wall, outer), ("nut", load))
+        yield _Part("load", (start, start + 0.13 * length), (0.0, 1.25 * outer), (load, load))
+
+
+def _inverted_motor_and_load(
+    axis: Axis, length: float, ends: tuple[float, float], radii: _Radii, near: str
+) -> Iterator[_Part]:
+    """The hollow motor around the nut, and the load at the left end of the screw."""
+    screw, _, outer = radii
+    if axis.motor is not None:
+        turned = "motor" if _has_shaft(axis.motor) else "nut"
+        wide = ends[1] - ends[0]
+        box = ends[0] + 0.1 * wide, ends[1]
+        size = 1.05 * outer, 1.35 * outer
+        yield _Part("motor", box, size, ("", ""), turned, ends[0] + 0.3 * wide)
+    if axis.load is not None:
+        load = near if axis.load.tube_stiffness is None else "load"
+        start = -0.06 * length
+        yield _Part("tube", (start, 0.0), (0.0, 0.6 * screw), (load, near))
+        yield _Part("load", (start - 0.13 * length, start), (0.0, 1.25 * outer), (load, load))
+
+
+def _has_shaft(motor: Motor) -> bool:
+    """Whether the rotor turns on springs of its own."""
+    return motor.coupling_stiffness is not None or motor.shaft_stiffness is not None
 
 
 def _draw(
@@ -198,7 +235,8 @@ def _draw(
             )
         )
     axes.plot(axes.get_xlim(), (0, 0), color=MUTED, lw=0.5, ls=CHAIN)
-    for place in _bearings(mechanism):
+    nut_end = next(part.ends[1] for part in parts if part.body == "nut")
+    for place in _bearings(mechanism, nut_end):
         _bearing(axes, place, highest)
     # Equal lengths on paper along and across the axis.
     wide, tall = np.ptp(axes.get_xlim()) / _SECTION, np.ptp(axes.get_ylim()) / _PANEL
@@ -232,8 +270,9 @@ def _travels(mechanism: Mechanism, around: dict[str, float]) -> dict[str, float]
     """Travel of the nut for the turn of each body, as if it were the screw's [m]."""
     thread = mechanism.stages[0].thread
     reduced = float(thread.lead) / (2 * math.pi)
-    screw = float(thread.screw_radius)
-    radii = {"nut": float(thread.nut_radius), "carrier": float(thread.centre_distance)}
+    screw, nut = float(thread.screw_radius), float(thread.nut_radius)
+    motor = screw if thread.family.turning == "screw" else nut
+    radii = {"nut": nut, "carrier": float(thread.centre_distance), "motor": motor}
     return {name: -reduced * u / radii.get(name, screw) for name, u in around.items()}
 
 
@@ -242,14 +281,17 @@ def _two_digits(value: float) -> float:
     return float(f"{round(value / 10**power) * 10.0**power:.6g}")
 
 
-def _bearings(mechanism: Mechanism) -> list[float]:
-    """Places of the bearings that hold the screw along the axis [mm]."""
-    support, axis = mechanism.stages[0].screw.support, mechanism.axis
+def _bearings(mechanism: Mechanism, nut_end: float) -> list[float]:
+    """Places of the bearings that hold the body that turns along the axis [mm]."""
+    stage, axis = mechanism.stages[0], mechanism.axis
+    shaft = None if axis is None else axis.shaft
+    turning = stage.thread.family.turning
+    support = getattr(stage, turning).support
     places: list[float] = []
     if support is not None and support.axial_stiffness is not None:
-        places.append(0.0)
-    if axis is not None and axis.shaft is not None and axis.shaft.far_bearing is not None:
-        places.append(1e3 * float(axis.shaft.far_bearing.distance))
+        places.append(0.0 if turning == "screw" else nut_end)
+    if shaft is not None and shaft.far_bearing is not None:
+        places.append(1e3 * float(shaft.far_bearing.distance))
     return places
 
 
@@ -276,16 +318,20 @@ def _bars(axes: Axes, shares: dict[str, float]) -> None:
     axes.spines["bottom"].set_visible(False)
 
 
-def _legend(figure: Figure, height: float, parts: list[_Part], energy: float) -> None:
+def _legend(
+    figure: Figure, height: float, parts: list[_Part], energy: float, turning: Side
+) -> None:
     from matplotlib.patches import Patch
 
     names = dict.fromkeys(part.body for part in parts)
+    tube = "thrust tube" if turning == "screw" else "joint at the load"
+    labels = {"tube": tube, "motor": "motor (stator)"}
     handles: list[Any] = [
         Patch(
             facecolor=_COLOURS[name],
             edgecolor=MUTED,
             linewidth=0.5,
-            label={"tube": "thrust tube", "motor": "motor (stator)"}.get(name, name),
+            label=labels.get(name, name),
         )
         for name in names
     ]

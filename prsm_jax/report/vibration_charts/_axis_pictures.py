@@ -45,18 +45,20 @@ def save_axis_pictures(
     drawn, elastic = {}, modes.elastic_modes()
     if elastic:
         drawn["axis-mode-shapes"] = axis_mode_shapes(mechanism, modes)
-    axis = mechanism.axis
+    axis, turning = mechanism.axis, mechanism.stages[0].thread.family.turning
     if axis is not None and elastic:
         first, last = elastic[0].frequency, elastic[:_MODES][-1].frequency
         hertz = jnp.geomspace(first / 20, 1.5 * last, _FREQUENCIES)
         compliance = eqx.filter_jit(axis_compliance)(mechanism, hertz)
-        drawn["axis-compliance"] = axis_compliance_chart(compliance, modes, held)
+        drawn["axis-compliance"] = axis_compliance_chart(compliance, modes, held, turning=turning)
     if axis is not None and axis.shaft is not None:
         names = available_quantities(mechanism, tuple(NUT_POSITION_QUANTITIES))
         distances = _positions(mechanism, axis.shaft)
         values = _at_positions(mechanism, names, jnp.asarray(distances))
         given = float(axis.shaft.nut_distance)
-        drawn["axis-against-nut-position"] = nut_position_chart(distances, values, given)
+        drawn["axis-against-nut-position"] = nut_position_chart(
+            distances, values, given, turning=turning
+        )
     return save_figures(folder, drawn)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ...fields import Scalar
+from ...mechanism import Side
 from ...text import DisplayUnit, display_unit
 from .._parts import DASHES, in_words
 from .._style import MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
@@ -27,6 +28,8 @@ def nut_position_chart(
     distance: Float[Array | np.ndarray, " positions"],
     values: Mapping[str, Float[Array | np.ndarray, " positions"]],
     given: float | Scalar | None = None,
+    *,
+    turning: Side = "screw",
 ) -> Figure:
     """Draw natural frequencies, and static stiffness at the load, against the nut's position.
 
@@ -34,11 +37,13 @@ def nut_position_chart(
 
     **Arguments:**
 
-    - `distance`: of the nut from the thrust bearing [m].
+    - `distance`: of the nut from the thrust bearing; of an inverted roller screw, from the end of
+      the screw at the load [m].
     - `values`: quantities of the catalogue by name, one number for each distance: first axial and
       torsional frequency, anti-resonance, stiffness with the motor held and on its
       gain [Hz, N/m]. What is not there or not finite is left out.
     - `given`: distance in the file, drawn as a line [m].
+    - `turning`: the body that turns; `"nut"` for an inverted roller screw.
 
     **Returns:** a matplotlib figure; distances in mm, frequencies in Hz, stiffnesses in N/µm.
 
@@ -72,7 +77,8 @@ def nut_position_chart(
         if given is not None:
             axes.axvline(_MILLIMETRES(float(given)), color=MUTED, lw=0.8, ls=(0, (2, 2)))
     every[0].set_title("Axis against the position of the nut")
-    every[-1].set_xlabel("distance of the nut from the thrust bearing in mm")
+    start = "thrust bearing" if turning == "screw" else "end of the screw at the load"
+    every[-1].set_xlabel(f"distance of the nut from the {start} in mm")
     every[-1].set_xlim(along.min(), along.max())
     if given is not None:
         every[0].annotate(

@@ -12,10 +12,20 @@ import jax.numpy as jnp
 
 from ..._errors import MissingDataError
 from ...fields import Scalar
-from ...mechanism import Axis, AxisShaft, Motor, Side, Stage, material_of, screw_section
+from ...mechanism import (
+    Axis,
+    AxisShaft,
+    Motor,
+    Side,
+    Stage,
+    body_inertia,
+    body_mass,
+    material_of,
+    screw_section,
+)
 from ...programs import physics
 from ..model import Coordinate
-from ._bodies import SpatialBody, nominal_radius
+from ._bodies import SpatialBody, nominal_radius, supports
 
 
 class AxisBody(eqx.Module):
@@ -103,7 +113,7 @@ def _shaft(
     """The screw as bars and shafts between thrust bearing (or load), nut and far bearing.
 
     Each section between two of them has half of its mass at either end; what is beyond the last one
-    moves with it.
+    moves with it. Mass and support of what is fixed to the screw (carriers) stay at the nut.
     """
     if stage.screw.length is None:
         raise MissingDataError(
@@ -118,10 +128,13 @@ def _shaft(
     radius = stage.thread.screw_radius
     bar = material.youngs_modulus * section.area
     twist = shear_modulus * section.polar_moment / distance / radius**2
-    ends = [AxisBody(SCREW_END, screw.axial_mass * at_end, screw.equivalent_mass * at_end)]
+    mass, inertia = body_mass(stage, "screw"), body_inertia(stage, "screw") / radius**2
+    zero = jnp.zeros_like(screw.axial_support)
+    axial, torsional = (supports(stage, ("screw",), way, zero) for way in ("axial", "torsional"))
+    ends = [AxisBody(SCREW_END, mass * at_end, inertia * at_end)]
     springs = [
-        AxisSpring((screw.axial_support,), ("screw_support_axial",), "z", (SCREW_END,)),
-        AxisSpring((screw.torsional_support,), ("screw_support_torsional",), "u", (SCREW_END,)),
+        AxisSpring((axial,), ("screw_support_axial",), "z", (SCREW_END,)),
+        AxisSpring((torsional,), ("screw_support_torsional",), "u", (SCREW_END,)),
         AxisSpring((bar / distance,), ("screw_shaft_axial",), "z", (SCREW_END, "screw")),
         AxisSpring((twist,), ("screw_shaft_torsional",), "u", (SCREW_END, "screw")),
     ]
@@ -130,19 +143,18 @@ def _shaft(
         beyond = shaft.far_bearing.distance - distance
         at_far_end = beyond / (2 * length) + (length - shaft.far_bearing.distance) / length
         at_ends = at_ends + at_far_end
-        ends.append(AxisBody(FAR_END, screw.axial_mass * at_far_end))
+        ends.append(AxisBody(FAR_END, mass * at_far_end))
         held = (shaft.far_bearing.axial_stiffness,)
         springs += [
             AxisSpring(held, ("far_bearing",), "z", (FAR_END,)),
             AxisSpring((bar / beyond,), ("screw_shaft_beyond_nut",), "z", (FAR_END, "screw")),
         ]
-    zero = jnp.zeros_like(screw.axial_support)
     at_nut = dataclasses.replace(
         screw,
-        axial_mass=screw.axial_mass * (1 - at_ends),
+        axial_mass=screw.axial_mass - mass * at_ends,
         # The far end turns with the screw at the nut.
-        equivalent_mass=screw.equivalent_mass * (1 - at_end),
-        axial_support=zero,
+        equivalent_mass=screw.equivalent_mass - inertia * at_end,
+        axial_support=screw.axial_support - axial,
         torsional_support=zero,
     )
     return at_nut, ends, springs

@@ -1,9 +1,10 @@
 """Bodies on the axis of a stage."""
 
 import equinox as eqx
+import jax.numpy as jnp
 
 from ...fields import Scalar
-from ...mechanism import Side, Thread
+from ...mechanism import Side, Stage, Support, Thread
 
 
 class SpatialBody(eqx.Module):
@@ -25,3 +26,15 @@ class SpatialBody(eqx.Module):
 def nominal_radius(thread: Thread, side: Side) -> Scalar:
     """r of u = r θ of screw or nut [m]."""
     return thread.screw_radius if side == "screw" else thread.nut_radius
+
+
+def supports(stage: Stage, names: tuple[str, ...], direction: str, like: Scalar) -> Scalar:
+    """Sum of the supports of bodies that are fixed to each other; zero where none is given."""
+    total = jnp.zeros_like(like)
+    for name in names:
+        body = getattr(stage, name)
+        support: Support | None = None if body is None else body.support
+        stiffness = None if support is None else getattr(support, f"{direction}_stiffness")
+        if stiffness is not None:
+            total = total + stiffness
+    return total

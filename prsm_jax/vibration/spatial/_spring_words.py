@@ -24,7 +24,6 @@ _WORDS = {
     "coupling": "coupling",
     "motor_shaft": "motor shaft",
     "position_gain": "position gain",
-    "thrust_tube": "thrust tube",
 }
 
 
@@ -42,6 +41,7 @@ def strain_in_words(shares: Mapping[str, float], turning: Side = "screw") -> dic
     words_of = _WORDS | {
         f"{turning}_support_axial": "thrust bearing",
         f"{held}_support_axial": f"{held} mounting",
+        "thrust_tube": "thrust tube" if turning == "screw" else "joint at the load",
     }
     found: dict[str, float] = {}
     for name, share in shares.items():

@@ -13,7 +13,7 @@ from ...mechanism import Axis, Side, Stage, Support, body_inertia, body_mass, ma
 from ...programs import physics
 from ...stiffness import ThreadStiffness, ring_roller_stiffness
 from ._axis import AxisSystem, axis_system
-from ._bodies import SpatialBody, nominal_radius
+from ._bodies import SpatialBody, nominal_radius, supports
 from ._springs import (
     RollerSpring,
     contact_places,
@@ -62,18 +62,6 @@ def _refuse_asymmetric(stage: Stage) -> None:
             f"spatial_modal needs at least 3 equal rollers and supports that are equal in x and y, "
             f"but {reason}; remove it, or use modal, the bending–torsional model"
         )
-
-
-def _supports(stage: Stage, names: tuple[str, ...], direction: str, like: Scalar) -> Scalar:
-    """Sum of the supports of bodies that are fixed to each other; zero where none is given."""
-    total = jnp.zeros_like(like)
-    for name in names:
-        body = getattr(stage, name)
-        support: Support | None = None if body is None else body.support
-        stiffness = None if support is None else getattr(support, f"{direction}_stiffness")
-        if stiffness is not None:
-            total = total + stiffness
-    return total
 
 
 def _thread_springs(
@@ -154,11 +142,11 @@ def _central(stage: Stage, side: Side, carriers: Scalar | None, like: Scalar) ->
     return SpatialBody(
         mass=mass,
         equivalent_mass=inertia / nominal_radius(stage.thread, side) ** 2,
-        radial_support=_supports(stage, fixed, "radial", like),
-        torsional_support=_supports(stage, fixed, "torsional", like),
+        radial_support=supports(stage, fixed, "radial", like),
+        torsional_support=supports(stage, fixed, "torsional", like),
         name=side,
         axial_mass=mass if carriers is None else mass + carriers,
-        axial_support=_supports(stage, axially, "axial", like),
+        axial_support=supports(stage, axially, "axial", like),
     )
 
 
@@ -226,8 +214,8 @@ def spatial_system(
             SpatialBody(
                 mass=carriers,
                 equivalent_mass=inertia / thread.centre_distance**2,
-                radial_support=_supports(stage, ("carrier",), "radial", like),
-                torsional_support=_supports(stage, ("carrier",), "torsional", like),
+                radial_support=supports(stage, ("carrier",), "radial", like),
+                torsional_support=supports(stage, ("carrier",), "torsional", like),
                 name="carrier",
             )
         )
