@@ -33,6 +33,30 @@ _SPRINGS = {
     "position_gain": "position gain",
     "thrust_tube": "thrust tube",
 }
+#: Words of an inverted roller screw, whose nut turns in the thrust bearing.
+_INVERTED = _SPRINGS | {
+    "screw_support_axial": "screw mounting",
+    "thrust_tube": "joint at the load",
+}
+#: By example: bodies whose displacement moves the ends of each part.
+_MOVED = {
+    "actuator_axis": {
+        "screw": [("screw_end", "screw"), ("screw", "screw")],
+        "roller": [("roller 1", "roller 1")],
+        "nut": [("nut", "nut")],
+        "motor": [("", "")],
+        "tube": [("nut", "load")],
+        "load": [("load", "load")],
+    },
+    "humanoid_leg": {
+        "screw": [("screw_end", "screw"), ("screw", "screw")],
+        "roller": [("roller 1", "roller 1")],
+        "nut": [("nut", "nut")],
+        "motor": [("", "")],
+        "tube": [("load", "screw_end")],
+        "load": [("load", "load")],
+    },
+}
 
 
 def _spatial_modes() -> SpatialModes:
@@ -68,20 +92,22 @@ def modes():
     return _spatial_modes()
 
 
-def _strain(modes, at):
+def _strain(modes, at, words_of=_SPRINGS):
     """Share of the strain energy by the words for the springs."""
     network = modes.network
     shape = np.asarray(modes.groups[0].shapes)[:, at, 0]
     energy = np.asarray(network.stiffness) * (np.asarray(network.rows) @ shape) ** 2
     found: dict[str, float] = {}
-    for words, one in zip(_SPRINGS.values(), energy / energy.sum(), strict=True):
+    for words, one in zip(words_of.values(), energy / energy.sum(), strict=True):
         found[words] = found.get(words, 0.0) + one
     return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 
 @reads("chart", "axis_mode_shapes")
-def test_shapes_in_a_longitudinal_section(modes):
-    mechanism = scenes.example("actuator_axis")
+@pytest.mark.parametrize("name", _MOVED)
+def test_shapes_in_a_longitudinal_section(modes, name):
+    mechanism, moved = scenes.example(name), _MOVED[name]
+    words_of = _INVERTED if name == "humanoid_leg" else _SPRINGS
     chart = Chart(axis_mode_shapes(mechanism, modes, energy=_ENERGY))
     shapes = np.asarray(modes.groups[0].shapes)[..., 0]
     names = [str(one) for one in modes.network.coordinates]
@@ -89,17 +115,11 @@ def test_shapes_in_a_longitudinal_section(modes):
     travel = float(thread.lead) / (2 * np.pi)
     radius = float(thread.screw_radius)
     radii = {"screw": radius, "screw_end": radius, "motor": radius, "nut": float(thread.nut_radius)}
+    if name == "humanoid_leg":
+        # Its motor turns the nut, without a shaft or coupling between them.
+        radii["motor"] = radii["nut"]
     frequencies = np.asarray(modes.groups[0].frequencies)
     panels = iter(chart.axes)
-    # Bodies whose displacement moves the ends of each part.
-    moved = {
-        "screw": [("screw_end", "screw"), ("screw", "screw")],
-        "roller": [("roller 1", "roller 1")],
-        "nut": [("nut", "nut")],
-        "motor": [("", "")],
-        "tube": [("nut", "load")],
-        "load": [("load", "load")],
-    }
     families = ["torsional", "axial", "torsional"]
     for at, family in enumerate(families, start=1):
         section, bars = next(panels), next(panels)
@@ -133,7 +153,7 @@ def test_shapes_in_a_longitudinal_section(modes):
             signed = length * np.sign(y_data(line)[1] - y_data(line)[0])
             assert signed == pytest.approx(-factor.value * truth * travel * turn, rel=1e-9)
             chart.take(line)
-        shares = [pair for pair in _strain(modes, at).items() if pair[1] >= 0.005][:5]
+        shares = [pair for pair in _strain(modes, at, words_of).items() if pair[1] >= 0.005][:5]
         assert chart.ticks(bars) == [words for words, _ in shares]
         for bar, (_, share) in zip(bars.patches, shares, strict=True):
             assert box_of(bar).get_width() / 100 == pytest.approx(share, rel=1e-12)
@@ -150,6 +170,7 @@ def test_shapes_in_a_longitudinal_section(modes):
     assert pytest.approx(1e3 * float(present(mechanism.stages[0].screw.length))) in ends
     assert chart.axes[-2].get_xlabel() == "along the axis in mm"
     assert "turn, as travel θL/2π" in handles(chart.figure)
+    assert words_of["thrust_tube"] in handles(chart.figure)
     chart.text("turn, as travel")
     chart.finish()
 
@@ -179,6 +200,9 @@ def test_numbers_against_the_position_of_the_nut():
         *("motor held", "motor held by its controller"),
     ]
     chart.finish()
+    assert "from the thrust bearing in mm" in lower.get_xlabel()
+    turned = nut_position_chart(distance, values, turning="nut").axes[-1]
+    assert turned.get_xlabel() == "distance of the nut from the end of the screw at the load in mm"
     with pytest.raises(ValueError, match="values has mass; give some of first_axial_frequency"):
         nut_position_chart(distance, {"mass": distance})
 
@@ -222,6 +246,11 @@ def test_compliance_at_nut_load_and_motor(modes):
     chart.finish()
     words = {text.get_text() for one in upper.artists for text in one.texts}  # pyright: ignore[reportAttributeAccessIssue]
     assert words == {"at the nut", "at the load"}
+    turned = axis_compliance_chart(compliance, turning="nut").axes[0]
+    assert {text.get_text() for one in turned.artists for text in one.texts} == {  # pyright: ignore[reportAttributeAccessIssue]
+        "at the screw",
+        "at the load",
+    }
     assert handles(chart.figure) == ["torsional", "axial", "motor held (anti-resonance)"]
 
 
@@ -240,18 +269,21 @@ def _damping() -> Any:
     )
 
 
-@pytest.mark.parametrize("damped", [False, True])
-def test_the_verb_modal_in_space(run, monkeypatch, modes, damped):
+@pytest.mark.parametrize(
+    ("name", "damped"),
+    [("actuator_axis", False), ("actuator_axis", True), ("humanoid_leg", False)],
+)
+def test_the_verb_modal_in_space(run, monkeypatch, modes, name, damped):
     values = {
         name: float(made.odd(1e7 if unit == "N/m" else 100.0))
         for name, (_, unit) in _modal.AXIS_QUANTITIES.items()
     }
     found = object.__new__(_modal.Spatial)
-    found.mechanism, found.stage, found.modes = scenes.example("actuator_axis"), 1, modes
+    found.mechanism, found.stage, found.modes = scenes.example(name), 1, modes
     found.elastic, found.held, found.axis = modes.elastic_modes(), modes, values
     found.damping = _damping() if damped else None
     monkeypatch.setattr(_modal, "Spatial", lambda *_: found)
-    results, printed = run("modal", "actuator_axis", "--spatial")
+    results, printed = run("modal", name, "--spatial")
     frequencies = [19.3, 127.1, 1310.0]
     network, shapes = modes.network, np.asarray(modes.groups[0].shapes)[..., 0]
     energies = np.asarray(network.stiffness)[:, None] * (np.asarray(network.rows) @ shapes) ** 2
@@ -307,7 +339,7 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes, damped):
         ("transverse", (411.0, "Hz"), (2, "")),
         ("torsional", (1310.0, "Hz"), (1, "")),
     ]
-    printed.row("Natural frequencies in space: actuator_axis, stage 1")
+    printed.row(f"Natural frequencies in space: {name}, stage 1")
     head = ("family", "f Hz", "times")
     if damped:
         # One row for each distinct frequency.
@@ -318,12 +350,13 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes, damped):
     if damped:
         printed.row("Damping: friction of the sliding threads at the operating point, no other.")
         printed.row("negative damping: a sentence")
-    for name, (words, unit) in _modal.AXIS_QUANTITIES.items():
-        printed.line(words, values[name], unit)
+    for quantity, (words, unit) in _modal.AXIS_QUANTITIES.items():
+        printed.line(words, values[quantity], unit)
+    words_of = _INVERTED if name == "humanoid_leg" else _SPRINGS
     springs = [
         (f"{at + 1} {families[at]}", (frequencies[at], "Hz"), words, (share, "1"))
         for at in range(3)
-        for words, share in list(_strain(modes, at + 1).items())[:4]
+        for words, share in list(_strain(modes, at + 1, words_of).items())[:4]
         if share >= 0.01
     ]
     printed.table(("mode", "f Hz", "spring", "share %"), springs)
