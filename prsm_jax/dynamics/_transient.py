@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from .._errors import PrsmError
+from .._errors import MissingDataError, PrsmError
 from ..fields import Scalar, refuse_options
 from ..mechanism import Mechanism, of_one_design, require_type
 from ..numerics import over_samples
@@ -46,10 +46,12 @@ from .solvers import (
 from .speed_drive import (
     Problem,
     bristle_history,
+    carrier_acceleration,
     chosen_method,
     closed_form_history,
     driven_states,
     error_weight,
+    moves_nut,
     quasi_steady_at,
     quasi_steady_report,
     sample_times,
@@ -127,11 +129,12 @@ def simulate(
     numbers), or the closed form under a prescribed torque; `PrsmError` if `throw` is set and the
     solver fails or the mechanism cannot be built (a dimension out of range, rollers that overlap).
     """
-    require_type(mechanism.stages, "transients are", ("standard", "inverted"))
+    require_type(mechanism.stages, "transients are", ("standard", "inverted", "differential"))
     requested = method_of(method, rtol=rtol, atol=atol, max_steps=max_steps)
     if scenario is None:
         scenario = default_scenario(mechanism)
     check_scenario(scenario)
+    _check_differential(mechanism, scenario, requested)
     settings = _settings(requested, gradient_of(gradient), scenario)
     # The scenario is a separate argument; in the mechanism it would be traced a second time.
     mechanism = dataclasses.replace(mechanism, scenario=None)
@@ -151,6 +154,31 @@ def simulate(
     if requested.chooses and closed and known and int(code) != 0:
         run, _ = _transient(*scene, settings._replace(method=Rodasp()))
     return _checked(run, throw)
+
+
+def _check_differential(
+    mechanism: Mechanism, scenario: Scenario | TorqueScenario, method: Method
+) -> None:
+    """Refuse what is not known where the carriers move the nut.
+
+    **Raises:** `MissingDataError` for a prescribed torque and for bristles; `ValueError` for a
+    method that does not integrate.
+    """
+    if not moves_nut(mechanism):
+        return
+    named = f'type = "{mechanism.stages[0].type}", whose carriers move the nut along the axis'
+    if isinstance(scenario, TorqueScenario):
+        raise MissingDataError(
+            f"transients under a prescribed torque are not known for {named}; prescribe the speed"
+        )
+    if has_bristles(mechanism):
+        raise MissingDataError(
+            f"LuGre friction of the threads is not known for {named}; take another law"
+        )
+    if not method.chooses and method.carriers != "integrated":
+        raise ValueError(
+            f"method {method.word!r} is not for {named}; choose rosenbrock, explicit or implicit"
+        )
 
 
 def _settings(
@@ -268,6 +296,9 @@ def evaluated(
 ) -> CarrierHistory:
     """Forces and accelerations of all stages at one time."""
     motion = drive_once(problem.scenario, time)
-    states = driven_states(problem.mechanism, problem.kinematics, motion, carrier_speed)
+    rates = None
+    if moves_nut(problem.mechanism):
+        rates = carrier_acceleration(problem, motion, carrier_speed)
+    states = driven_states(problem.mechanism, problem.kinematics, motion, carrier_speed, rates)
     drives = jnp.stack([state.forces.carrier_drive for state in states])
     return CarrierHistory(*motion, carrier_speed, states, drives / problem.inertia)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Bool
+from jaxtyping import Array, Bool, Float
 
 from ...fields import Scalar
 from ...mechanism import Mechanism, Stage, body_inertia, body_mass
@@ -139,6 +139,7 @@ def chain_forces(
     sense: Scalar,
     load: Scalar,
     screw_acceleration: Scalar | None = None,
+    carrier_acceleration: Float[Array, " stages"] | None = None,
 ) -> tuple[StageState, ...]:
     """Forces in all stages, from the last nut to the first screw.
 
@@ -153,6 +154,8 @@ def chain_forces(
     - `sense`: sense of turning of the screws, +1 or −1.
     - `load`: load on the last nut [N].
     - `screw_acceleration`: Ω̇ [rad/s²], or `None` at constant speed.
+    - `carrier_acceleration`: ω̇ of every stage where it moves a nut with grooves along the axis
+      [rad/s²]; else `None`.
     """
     stages = mechanism.stages
     states: list[StageState] = []
@@ -166,6 +169,11 @@ def chain_forces(
             axial_force = nut_load - axial_inertia(stage) * nut_acceleration
             if index > 0:
                 screw_axial = -screw_acceleration * travel_per_turn(stages, index)
+        if carrier_acceleration is not None:
+            # Such a nut travels by its lead per turn of screw over carrier; it is the only stage.
+            own = carrier_acceleration[index] * travel_per_turn(stages, index + 1)
+            nut_acceleration = own if nut_acceleration is None else nut_acceleration + own
+            axial_force = nut_load - axial_inertia(stage) * nut_acceleration
         law = stage.thread_law
         per_roller = axial_force / stage.present_roller_count
         flank_sign = loaded_flank_sign(law, per_roller, speed * kinematics[index].slip_per_screw[2])

@@ -54,10 +54,11 @@ def is_reducible(stage: Stage) -> bool:
     """Whether the scalars suffice.
 
     They do not with losses inside the contact ellipses, nor with a friction law that asks for more
-    than the slip speed.
+    than the slip speed, nor where the carriers move the nut along the axis.
     """
     law = stage.thread_law
-    return not (has_contact_losses(stage.friction) or (law is not None and law.asks))
+    asks = law is not None and law.asks
+    return stage.thread.family.lead_is_fixed and not (has_contact_losses(stage.friction) or asks)
 
 
 def reduced_stage(kinematics: StageKinematics) -> ReducedStage:

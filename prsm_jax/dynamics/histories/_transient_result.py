@@ -17,7 +17,7 @@ from ...numerics import any_few, over_samples, sum_few
 from ...programs import listed
 from ...results import DesignResult, lines_of, outcome
 from ...text import Line
-from .._kinematics import StageKinematics, travel_per_turn
+from .._kinematics import StageKinematics, travel_per_turn, travel_share
 from ..forces import (
     Scenario,
     StageState,
@@ -195,11 +195,19 @@ def _kinetic_power(mechanism: Mechanism, carrier_speed, acceleration, speed, scr
         carrier_inertia(stage) * carrier_speed[index] * acceleration[index]
         for index, stage in enumerate(stages)
     )
+    for index, stage in enumerate(stages):
+        if not stage.thread.family.lead_is_fixed:
+            # The nut travels by the lead per turn of screw over carrier.
+            over = -acceleration[index]
+            over = over if screw_acceleration is None else screw_acceleration + over
+            mass = axial_inertia(stage) * travel_per_turn(stages, index + 1) ** 2
+            power = power + mass * (speed - carrier_speed[index]) * over
     if screw_acceleration is None:
         return power
     for index, stage in enumerate(stages):
-        moved = axial_inertia(stage) * travel_per_turn(stages, index + 1) ** 2
-        moved = moved + body_inertia(stage, stage.thread.family.turning)
+        moved = body_inertia(stage, stage.thread.family.turning)
+        if stage.thread.family.lead_is_fixed:
+            moved = moved + axial_inertia(stage) * travel_per_turn(stages, index + 1) ** 2
         if index > 0:
             moved = moved + body_mass(stage, "screw") * travel_per_turn(stages, index) ** 2
         power = power + moved * speed * screw_acceleration
@@ -247,7 +255,7 @@ def rows_of(
     Separate from `transient_of`, so that states, which are many numbers, need not be stored for all
     times.
     """
-    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
+    lead = travel_per_turn(mechanism.stages, len(mechanism.stages))
 
     def at(one: CarrierHistory) -> dict[str, Any]:
         speed, screw_acceleration, load = one.screw_speed, one.screw_acceleration, one.load
@@ -261,7 +269,14 @@ def rows_of(
         ]
         loss_powers = losses(mechanism, kinematics, instant, speed)
         kinetic = _kinetic_power(mechanism, carriers, acceleration, speed, screw_acceleration)
+        moving = speed != 0
+        ratio = jnp.where(moving, carriers / jnp.where(moving, speed, 1.0), 0.0)
+        # Travel of the last nut per radian of the screw.
+        share = travel_share(mechanism.stages[-1].thread, ratio[-1])
+        travel = lead if share is None else lead * share
         drive_power, load_power = torque * speed, load * travel * speed
+        if share is not None:
+            load_power = load * lead * (speed - carriers[-1])
         largest_power = functools.reduce(
             jnp.maximum, map(jnp.abs, (drive_power, load_power, kinetic))
         )
@@ -272,7 +287,6 @@ def rows_of(
         driving = speed * load >= 0
         useful = jnp.where(driving, load * travel, torque)
         spent = jnp.where(driving, torque, load * travel)
-        moving = speed != 0
         row = {
             **forces_by_stage(kinematics, instant, supports),
             "screw_speed": speed,
@@ -280,7 +294,7 @@ def rows_of(
             "load": load,
             "carrier_speed": carriers,
             "carrier_acceleration": acceleration,
-            "carrier_ratio": jnp.where(moving, carriers / jnp.where(moving, speed, 1.0), 0.0),
+            "carrier_ratio": ratio,
             "efficiency": jnp.where(spent != 0, useful / jnp.where(spent != 0, spent, 1.0), 0.0),
             "drive_torque": torque,
             "stage_torque": jnp.stack([s.screw.drive_torque for s in instant]),
@@ -348,8 +362,10 @@ def transient_of(
     }
     # The steps may have run out, or the rollers may be at rest, before a sample shows the jam.
     fastest, largest_load = (jnp.max(jnp.abs(entries[name])) for name in ("screw_speed", "load"))
-    margin = jamming_margin(mechanism, kinematics, fastest, largest_load)
-    jammed = pulled | ((report.code != 0) & (margin <= 0))
+    jammed = pulled
+    if all(stage.thread.family.lead_is_fixed for stage in mechanism.stages):
+        margin = jamming_margin(mechanism, kinematics, fastest, largest_load)
+        jammed = jammed | ((report.code != 0) & (margin <= 0))
     code = jnp.where(jammed, _JAMMED, report.code)
     code = code_of_finite(code, finite)
     fit = jnp.stack([rollers_fit(stage) for stage in mechanism.stages]).all()

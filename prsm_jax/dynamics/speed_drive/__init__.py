@@ -8,8 +8,10 @@ from ._bristle_transient import (
 )
 from ._carrier_motion import (
     Problem as Problem,
+    carrier_acceleration as carrier_acceleration,
     driven_states as driven_states,
     error_weight as error_weight,
+    moves_nut as moves_nut,
     scaled_rate as scaled_rate,
     standstills as standstills,
     states_at as states_at,

@@ -78,8 +78,12 @@ def driven_states(
     kinematics: tuple[StageKinematics, ...],
     drive: Drive,
     carrier_speed: Float[Array, " stages"],
+    carrier_acceleration: Float[Array, " stages"] | None = None,
 ) -> tuple[StageState, ...]:
-    """As `states_at`, from the drive at that instant."""
+    """As `states_at`, from the drive at that instant.
+
+    `carrier_acceleration` is that of `chain_forces`.
+    """
     kinematics = with_resistance(mechanism.stages, kinematics)
     speed, acceleration, load = drive
 
@@ -88,7 +92,14 @@ def driven_states(
         return sliding_motion(kinematics[index], own_speed, carrier, axial_acceleration)
 
     sense = sense_of(speed)
-    return chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
+    return chain_forces(
+        mechanism, kinematics, motion_of, speed, sense, load, acceleration, carrier_acceleration
+    )
+
+
+def moves_nut(mechanism: Mechanism) -> bool:
+    """Whether the carriers move the nut along the axis, because it has grooves."""
+    return not all(stage.thread.family.lead_is_fixed for stage in mechanism.stages)
 
 
 def carrier_acceleration(
@@ -97,8 +108,37 @@ def carrier_acceleration(
     """ω̇ of every stage [rad/s²]."""
     if problem.reduced is not None:
         return reduced_rates(problem.reduced, *drive, carrier_speed)
+    if moves_nut(problem.mechanism):
+        return _acceleration_with_nut(problem, drive, carrier_speed)
     states = driven_states(problem.mechanism, problem.kinematics, drive, carrier_speed)
-    return jnp.stack([state.forces.carrier_drive for state in states]) / problem.inertia
+    return _drives(states) / problem.inertia
+
+
+def _drives(states: tuple[StageState, ...]) -> Float[Array, " stages"]:
+    return jnp.stack([state.forces.carrier_drive for state in states])
+
+
+@physics("nut_moved_by_carriers")
+def _acceleration_with_nut(
+    problem: Problem, drive: Drive, carrier_speed: Float[Array, " stages"]
+) -> Float[Array, " stages"]:
+    """ω̇ of a carrier that moves the nut along the axis [rad/s²].
+
+    With z̈ = h (ω̇ − Ω̇) of nut and rollers, and axial force F − m z̈ of the rollers, the equation
+    `I ω̇ = N f·d + h (F − m z̈)` holds ω̇ on both sides. It is linear where friction is in proportion
+    to the normal force, so that one step of Newton's method solves it; the second step removes
+    rounding, and the error of laws and losses that are not linear.
+    """
+
+    def unbalanced(rate: Float[Array, " stages"]) -> Float[Array, " stages"]:
+        states = driven_states(problem.mechanism, problem.kinematics, drive, carrier_speed, rate)
+        return _drives(states) - problem.inertia * rate
+
+    rate = jnp.zeros_like(carrier_speed)
+    for _ in range(2):
+        residual, slope = jax.jvp(unbalanced, (rate,), (jnp.ones_like(rate),))
+        rate = rate - residual / slope
+    return rate
 
 
 def _scaled_drive(time: Scalar, problem: Problem) -> Drive:

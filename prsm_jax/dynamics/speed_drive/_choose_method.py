@@ -15,7 +15,7 @@ from ..forces import Scenario, bound_scenario
 from ..friction import has_bristles, with_resistance
 from ..solvers import MethodName
 from ..steady import all_kinematics
-from ._carrier_motion import Problem, carrier_problem, jumps_at_standstill
+from ._carrier_motion import Problem, carrier_problem, jumps_at_standstill, moves_nut
 from ._closed_form import closed_form_history, settles_in_closed_form
 from ._quasi_steady import quasi_steady_at, quasi_steady_report
 
@@ -103,6 +103,8 @@ def chosen_method(
         return MethodChoice("rosenbrock", "a torque or a load changes its sign while settling")
     if has_bristles(mechanism):
         return MethodChoice("rosenbrock", "bristles are stiff")
+    if moves_nut(mechanism):
+        return MethodChoice("rosenbrock", "the carriers move the nut along the axis")
     if known and (callable(scenario.speed) or callable(scenario.load)):
         code, error, lag, reverses, step = (jnp.asarray(x).item() for x in _quasi_steady(*scene))
         unseen = lag < _UNSEEN * step

@@ -31,8 +31,17 @@ def travel_of(mechanism: Mechanism, run: Transient) -> np.ndarray:
     """Travel of the last nut from its start [m]."""
     if run.position is not None:
         return np.asarray(run.position)
+    return integrated(run, nut_speed(mechanism, run))
+
+
+def nut_speed(mechanism: Mechanism, run: Transient) -> np.ndarray:
+    """Axial speed of the last nut, positive for a positive speed [m/s]."""
     per_radian = float(travel_per_turn(mechanism.stages, len(mechanism.stages)))
-    return per_radian * integrated(run, run.screw_speed)
+    speed = np.asarray(run.screw_speed)
+    if not mechanism.stages[-1].thread.family.lead_is_fixed:
+        # A nut with grooves travels by the lead per turn of screw over carrier.
+        speed = speed - np.asarray(run.carrier_speed)[-1]
+    return per_radian * speed
 
 
 def integrated(run: Transient, rate: Any) -> np.ndarray:
@@ -90,11 +99,9 @@ def known_efficiency(mechanism: Mechanism, run: Transient) -> np.ndarray:
     While masses are accelerated or return energy, this ratio leaves the range from 0 to 1, and
     close to standstill it is a quotient of two small powers.
     """
-    travel = float(travel_per_turn(mechanism.stages, len(mechanism.stages)))
     speed, share = np.asarray(run.screw_speed), np.asarray(run.efficiency)
-    power = np.maximum(
-        np.abs(np.asarray(run.drive_torque) * speed), np.abs(np.asarray(run.load) * speed * travel)
-    )
+    load_power = np.asarray(run.load) * nut_speed(mechanism, run)
+    power = np.maximum(np.abs(np.asarray(run.drive_torque) * speed), np.abs(load_power))
     known = (power > _IDLE * max(power.max(), 1e-300)) & (share >= 0) & (share <= 1 + _ROUNDING)
     return np.where(known, share, np.nan)
 

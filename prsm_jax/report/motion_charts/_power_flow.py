@@ -5,9 +5,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...dynamics import SteadyState, Transient, travel_per_turn
+from ...dynamics import SteadyState, Transient
 from ...mechanism import Mechanism
-from ._history_chart import integrated
+from ._history_chart import integrated, nut_speed
 
 #: Energy that remains in moving masses is ignored below this share of the total flow: the
 #: trapezoidal rule leaves as much where they start and end at rest.
@@ -74,10 +74,8 @@ def power_history(mechanism: Mechanism, run: Transient) -> PowerHistory:
     The rate of the kinetic energy is the remainder of the power balance, whose residual the
     transient reports.
     """
-    speed = np.asarray(run.screw_speed)
-    travel = float(travel_per_turn(mechanism.stages, len(mechanism.stages)))
-    motor = np.asarray(run.drive_torque) * speed
-    load = -np.asarray(run.load) * travel * speed
+    motor = np.asarray(run.drive_torque) * np.asarray(run.screw_speed)
+    load = -np.asarray(run.load) * nut_speed(mechanism, run)
     losses = {name: np.asarray(power) for name, power in run.losses.items()}
     bristles = np.zeros_like(motor)
     if run.bristle_power is not None:
