@@ -17,6 +17,8 @@ from .tasks import Task
 _SECOND_START = (0.4, 0.2, 0.8)
 #: Tolerance of SLSQP, for t and for the sum of violated constraints.
 _TOLERANCE = 1e-9
+#: Largest KKT residual of an optimum, and how often a search is repeated from its own end.
+_OPTIMAL, _MOST_REPEATS = 1e-6, 3
 #: Largest violation of a limit, as the logarithm of a ratio, and slack of an active one.
 FEASIBLE = 1e-7
 
@@ -40,7 +42,7 @@ _OF_T = np.array([1.0 if name in OBJECTIVES else 0.0 for name in MEASURES])
 
 
 def search(task: Task, ask: Callable[[np.ndarray], tuple[np.ndarray, ...]]) -> Found:
-    """The best end of SLSQP from two starts."""
+    """The best end of SLSQP from two starts, repeated from there until it is an optimum."""
     from scipy.optimize import minimize
 
     last: dict[str, Any] = {"at": None}
@@ -61,8 +63,8 @@ def search(task: Task, ask: Callable[[np.ndarray], tuple[np.ndarray, ...]]) -> F
     box = np.where(task.upper > task.lower, 1.0, 0.0)
     bounds = [(0.0, end) for end in box] + [(-5.0, 5.0)]
     fewer = box[3] * max(0.0, 1 - 1 / max(task.upper[3] - task.lower[3], 1.0))
-    best: Found | None = None
-    for start in (task.unit(task.own) * box, np.append(_SECOND_START, fewer)):
+
+    def ended(start: np.ndarray) -> Found:
         first = at(np.append(start, 0.0))[0]
         found = minimize(
             lambda x: -x[-1],
@@ -73,16 +75,27 @@ def search(task: Task, ask: Callable[[np.ndarray], tuple[np.ndarray, ...]]) -> F
             method="SLSQP",
             options={"ftol": _TOLERANCE, "maxiter": 40},
         )
-        one = _judged(task, found.x[:-1], at(found.x), box)
-        if best is None or rank(one) > rank(best):
-            best = one
-    assert best is not None
+        return _judged(task, found.x[:-1], at(found.x), box)
+
+    starts = task.unit(task.own) * box, np.append(_SECOND_START, fewer)
+    best = max((ended(start) for start in starts), key=rank)
+    for _ in range(_MOST_REPEATS):
+        # In a corner of many limits SLSQP may stop early, with its estimate of the Hessian at
+        # fault; from there it starts with a new one.
+        if best.kkt_residual <= _OPTIMAL:
+            break
+        best = max(best, ended((task.unit(best.variables)) * box), key=_rank_of_optima)
     return best
 
 
 def rank(found: Found) -> tuple[bool, float]:
     """Feasible before better."""
     return found.violation <= FEASIBLE, found.objective
+
+
+def _rank_of_optima(found: Found) -> tuple[bool, bool, float]:
+    """Feasible before optimal before better."""
+    return found.violation <= FEASIBLE, found.kkt_residual <= _OPTIMAL, found.objective
 
 
 def _judged(

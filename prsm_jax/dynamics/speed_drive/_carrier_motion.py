@@ -134,10 +134,12 @@ def _acceleration_with_nut(
         states = driven_states(problem.mechanism, problem.kinematics, drive, carrier_speed, rate)
         return _drives(states) - problem.inertia * rate
 
-    rate = jnp.zeros_like(carrier_speed)
-    for _ in range(2):
+    def step(rate: Float[Array, " stages"], _: None):
         residual, slope = jax.jvp(unbalanced, (rate,), (jnp.ones_like(rate),))
-        rate = rate - residual / slope
+        return rate - residual / slope, None
+
+    # A loop: the forces would be compiled once more for the second step.
+    rate, _ = jax.lax.scan(step, jnp.zeros_like(carrier_speed), length=2)
     return rate
 
 

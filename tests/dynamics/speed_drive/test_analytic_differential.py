@@ -148,7 +148,7 @@ def test_losses_inside_the_ellipses_and_both_flanks(load):
     )
     speed = Swing(array(MEAN), array(SWING), array(RATE))
     run = simulate(one, prsm.Scenario(speed, load, 1e-3, initial_carrier_ratio=0.1, samples=21))
-    assert run.solver.name == "rosenbrock"
+    assert run.solver.name == "RODASP"
     assert float(jnp.max(run.power_balance_residual)) < 1e-9
     assert float(jnp.max(run.newton_residual)) < 1e-9
 
