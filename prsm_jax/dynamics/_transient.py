@@ -8,7 +8,7 @@ from jaxtyping import Array, Float, Int
 
 from .._errors import MissingDataError, PrsmError
 from ..fields import Scalar, refuse_options
-from ..mechanism import Mechanism, of_one_design, require_type
+from ..mechanism import Mechanism, of_one_design
 from ..numerics import over_samples
 from ..programs import is_known, one_program_where_possible, traceable
 from ..scenario import TorqueScenario, check_scenario
@@ -57,7 +57,9 @@ from .speed_drive import (
     sample_times,
     scaled_rate,
     scene_problem,
+    slides_on_both_sides,
     standstills,
+    two_sides_history,
 )
 from .torque_drive import has_smooth_threads, smooth_torque_history, torque_history
 
@@ -123,18 +125,18 @@ def simulate(
     - `throw`: raise if the solver fails. Inside a trace nothing is raised; see `solver.code`.
     - `kinematics`: kinematics of the stages, if known already.
 
-    **Raises:** `MissingDataError` if masses or the scenario are not given, and for recirculating
-    and differential roller screws; `ValueError` for an unknown method or gradient, an option that
-    the method does not take, an invalid scenario (a duration that is not above 0, NaN or infinite
-    numbers), or the closed form under a prescribed torque; `PrsmError` if `throw` is set and the
-    solver fails or the mechanism cannot be built (a dimension out of range, rollers that overlap).
+    **Raises:** `MissingDataError` if masses or the scenario are not given, and for a prescribed
+    torque or LuGre friction of recirculating and differential roller screws; `ValueError` for an
+    unknown method or gradient, an option that the method does not take, an invalid scenario (a
+    duration that is not above 0, NaN or infinite numbers), or the closed form under a prescribed
+    torque; `PrsmError` if `throw` is set and the solver fails or the mechanism cannot be built (a
+    dimension out of range, rollers that overlap).
     """
-    require_type(mechanism.stages, "transients are", ("standard", "inverted", "differential"))
     requested = method_of(method, rtol=rtol, atol=atol, max_steps=max_steps)
     if scenario is None:
         scenario = default_scenario(mechanism)
     check_scenario(scenario)
-    _check_differential(mechanism, scenario, requested)
+    _check_grooved(mechanism, scenario, requested)
     settings = _settings(requested, gradient_of(gradient), scenario)
     # The scenario is a separate argument; in the mechanism it would be traced a second time.
     mechanism = dataclasses.replace(mechanism, scenario=None)
@@ -156,17 +158,17 @@ def simulate(
     return _checked(run, throw)
 
 
-def _check_differential(
+def _check_grooved(
     mechanism: Mechanism, scenario: Scenario | TorqueScenario, method: Method
 ) -> None:
-    """Refuse what is not known where the carriers move the nut.
+    """Refuse what is not known for rollers without lead.
 
     **Raises:** `MissingDataError` for a prescribed torque and for bristles; `ValueError` for a
     method that does not integrate.
     """
-    if not moves_nut(mechanism):
+    if not (moves_nut(mechanism) or slides_on_both_sides(mechanism)):
         return
-    named = f'type = "{mechanism.stages[0].type}", whose carriers move the nut along the axis'
+    named = f'type = "{mechanism.stages[0].type}"'
     if isinstance(scenario, TorqueScenario):
         raise MissingDataError(
             f"transients under a prescribed torque are not known for {named}; prescribe the speed"
@@ -214,6 +216,9 @@ def _transient(
     if isinstance(scenario, TorqueScenario):
         history_of = smooth_torque_history if has_smooth_threads(mechanism) else torque_history
         run = history_of(mechanism, scenario, settings)
+        return run, run.solver.code
+    if slides_on_both_sides(mechanism):
+        run = two_sides_history(mechanism, scenario, kinematics, settings)
         return run, run.solver.code
     problem = scene_problem(mechanism, scenario, kinematics)
     times = sample_times(problem)

@@ -16,6 +16,7 @@ from ._transient_result import (
     SolverReport as SolverReport,
     Transient as Transient,
     code_of_finite as code_of_finite,
+    finite_row as finite_row,
     histories as histories,
     prescribed as prescribed,
     rows_of as rows_of,

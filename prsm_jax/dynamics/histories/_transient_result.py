@@ -232,7 +232,7 @@ def _relative(residual: Scalar, scale: Scalar) -> Scalar:
     return jnp.abs(residual) / jnp.where(scale > 0, scale, 1.0)
 
 
-def _finite(row: dict[str, Any]) -> Bool[Array, ""]:
+def finite_row(row: dict[str, Any]) -> Bool[Array, ""]:
     """Whether everything at one time is finite."""
     # 0 times NaN or infinity is NaN.
     return jnp.isfinite(sum(sum_few(0.0 * jnp.ravel(value)) for value in jax.tree.leaves(row)))
@@ -315,7 +315,7 @@ def rows_of(
             "load_power": load_power,
         }
         # Evaluated here, for one row: a caller that keeps one history need not store all of them.
-        return {**row, "finite": _finite(row), "pulled": any_few(row["contact_force"] < 0)}
+        return {**row, "finite": finite_row(row), "pulled": any_few(row["contact_force"] < 0)}
 
     return at
 
@@ -363,7 +363,8 @@ def transient_of(
     # The steps may have run out, or the rollers may be at rest, before a sample shows the jam.
     fastest, largest_load = (jnp.max(jnp.abs(entries[name])) for name in ("screw_speed", "load"))
     jammed = pulled
-    if all(stage.thread.family.lead_is_fixed for stage in mechanism.stages):
+    families = [stage.thread.family for stage in mechanism.stages]
+    if all(one.lead_is_fixed and one.carrying is not None for one in families):
         margin = jamming_margin(mechanism, kinematics, fastest, largest_load)
         jammed = jammed | ((report.code != 0) & (margin <= 0))
     code = jnp.where(jammed, _JAMMED, report.code)

@@ -28,3 +28,7 @@ from ._quasi_steady import (
     quasi_steady_at as quasi_steady_at,
     quasi_steady_report as quasi_steady_report,
 )
+from ._two_sides_transient import (
+    slides_on_both_sides as slides_on_both_sides,
+    two_sides_history as two_sides_history,
+)

@@ -172,7 +172,7 @@ def carrier_problem(
     their steady state.
     """
     inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
-    times = _times_of_scales(scenario)
+    times = times_of_scales(scenario)
     speeds = jnp.abs(jax.vmap(scenario.speed_at)(times))
     fastest = jnp.argmax(speeds)
     speed = jnp.where(speeds[fastest] > 0, speeds[fastest], 1.0)
@@ -191,7 +191,7 @@ def carrier_problem(
     return eqx.tree_at(lambda p: (p.speed_scale, p.time_scale), problem, scales)
 
 
-def _times_of_scales(scenario: Scenario) -> Float[Array, " times"]:
+def times_of_scales(scenario: Scenario) -> Float[Array, " times"]:
     """Times at which the highest speed of a scene is searched for [s].
 
     Equal intervals may all hit the standstills of a periodic speed; intervals of the golden ratio

@@ -18,6 +18,7 @@ from ..steady import all_kinematics
 from ._carrier_motion import Problem, carrier_problem, jumps_at_standstill, moves_nut
 from ._closed_form import closed_form_history, settles_in_closed_form
 from ._quasi_steady import quasi_steady_at, quasi_steady_report
+from ._two_sides_transient import slides_on_both_sides
 
 #: Largest time constant of settling over the time between two samples at which settling does not
 #: show: after so many time constants the initial deviation has decayed to rounding.
@@ -97,14 +98,14 @@ def chosen_method(
     - `settling`: take the closed form without checking that it holds; its result code tells.
     """
     scene = (mechanism, scenario, kinematics)
+    if moves_nut(mechanism) or slides_on_both_sides(mechanism):
+        return MethodChoice("rosenbrock", "rollers without lead: the carriers do not move alone")
     if settles_in_closed_form(mechanism, scenario):
         if settling or not known or int(_settling_code(*scene)) == 0:
             return MethodChoice("closed_form", "constant speed and load, Coulomb friction")
         return MethodChoice("rosenbrock", "a torque or a load changes its sign while settling")
     if has_bristles(mechanism):
         return MethodChoice("rosenbrock", "bristles are stiff")
-    if moves_nut(mechanism):
-        return MethodChoice("rosenbrock", "the carriers move the nut along the axis")
     if known and (callable(scenario.speed) or callable(scenario.load)):
         code, error, lag, reverses, step = (jnp.asarray(x).item() for x in _quasi_steady(*scene))
         unseen = lag < _UNSEEN * step

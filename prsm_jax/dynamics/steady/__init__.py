@@ -21,3 +21,10 @@ from ._steady import (
     steady_meaning as steady_meaning,
     steady_state as steady_state,
 )
+from ._two_sliding_sides import (
+    SideSlips as SideSlips,
+    SlidingSide as SlidingSide,
+    check_losses as check_losses,
+    sliding_side as sliding_side,
+    slips_of_both_sides as slips_of_both_sides,
+)

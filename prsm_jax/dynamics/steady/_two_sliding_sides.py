@@ -52,7 +52,7 @@ class TwoSides(NamedTuple):
     converged: Bool[Array, ""]
 
 
-class _Slips(NamedTuple):
+class SideSlips(NamedTuple):
     """Slip of one side per radian: of the screw, and its changes with ω and σ [m/rad]."""
 
     per_screw: Float[Array, "3"]
@@ -66,19 +66,33 @@ class _Slips(NamedTuple):
         return self.per_screw + carrier * self.per_carrier + spin * self.per_spin
 
 
-def _slips(contact: ThreadContact, distance: Scalar, lead: Scalar, turns: bool) -> _Slips:
+def _side_slips(contact: ThreadContact, distance: Scalar, lead: Scalar, turns: bool) -> SideSlips:
     x = contact.contact_radius * jnp.cos(contact.contact_angle_position)
     y = contact.contact_radius * jnp.sin(contact.contact_angle_position)
     zero = jnp.zeros_like(y)
     around = jnp.stack([-y, x, lead])
     own = around if turns else jnp.zeros_like(around)
-    return _Slips(own, -around, -jnp.stack([-y, x - distance, zero]), contact.normal)
+    return SideSlips(own, -around, -jnp.stack([-y, x - distance, zero]), contact.normal)
 
 
-def _side(
-    law: FrictionLaw | None, slips: _Slips, turn: Float[Array, "3"], speed, sense, axial
+def slips_of_both_sides(stage: Stage, kinematics: StageKinematics) -> tuple[SideSlips, SideSlips]:
+    """Slips of screw and nut over a roller, as in the text above."""
+    distance, lead = stage.thread.centre_distance, stage.thread.lead / (2 * jnp.pi)
+    meshing = kinematics.meshing
+    return (
+        _side_slips(meshing.screw, distance, lead, True),
+        _side_slips(meshing.nut, distance, lead, False),
+    )
+
+
+def sliding_side(
+    law: FrictionLaw | None, slips: SideSlips, turn: Float[Array, "3"], speed, sense, axial
 ) -> SlidingSide:
-    """Forces of one side; `axial` is the axial force of the body on one roller [N]."""
+    """Forces of one side.
+
+    `turn` is the slip per radian of a screw that turns at `speed` in a sense, `axial` the axial
+    force of the body on one roller [N].
+    """
     velocity, direction = speed * turn, sense * slip_direction(turn)
     per_force, constant = thread_friction(law, velocity, direction)
     force = (axial - constant[2]) / (slips.normal[2] + per_force[2])
@@ -116,10 +130,7 @@ def two_sliding_sides(
     check_losses(stage)
     thread, law = stage.thread, stage.thread_law
     distance, lead = thread.centre_distance, thread.lead / (2 * jnp.pi)
-    sides = (
-        _slips(kinematics.meshing.screw, distance, lead, True),
-        _slips(kinematics.meshing.nut, distance, lead, False),
-    )
+    sides = slips_of_both_sides(stage, kinematics)
     axial = axial_force / stage.present_roller_count
     start = thread.ideal_carrier_ratio
     start_spin = -thread.rolling_ratio * start
@@ -130,8 +141,8 @@ def two_sliding_sides(
         carrier = start + unknowns[0] * narrow
         spin = start_spin + unknowns[1] * narrow
         turns = [one.at(carrier, spin) for one in sides]
-        screw = _side(law, sides[0], turns[0], speed, sense, -axial)
-        nut = _side(law, sides[1], turns[1], speed, sense, axial)
+        screw = sliding_side(law, sides[0], turns[0], speed, sense, -axial)
+        nut = sliding_side(law, sides[1], turns[1], speed, sense, axial)
         pushes = [
             sense * side.friction if law is not None else side.force * slip_direction(turn)
             for side, turn in zip((screw, nut), turns, strict=True)

@@ -200,9 +200,6 @@ def test_an_inverted_screw_settles_to_its_steady_ratio():
 @pytest.mark.parametrize("kind", FREE)
 def test_what_is_not_known_names_the_type(kind):
     one = mechanism(kind)
-    if kind == "recirculating":
-        with pytest.raises(MissingDataError, match=f'transients are .* not for type = "{kind}"'):
-            prsm.simulate(one, prsm.Scenario(SPEED, LOAD, 1e-3))
     with pytest.raises(MissingDataError, match=f'all bodies .* not for type = "{kind}"'):
         prsm.dynamics.body_forces(one, steady_state(one, SPEED, LOAD))
     with pytest.raises(MissingDataError, match=f'not for type = "{kind}"'):
