@@ -114,7 +114,7 @@ def excitation_orders(
     sides: tuple[Side, ...] = ("screw", "nut")
     both = tuple(f"{side}_roller" for side in sides)
     held, turning = family.held, family.turning
-    springs = {side: (f"{side}_roller",) for side in sides}
+    springs: dict[Side, tuple[str, ...]] = {side: (f"{side}_roller",) for side in sides}
     # Teeth on the screw are part of its contact in the bending–torsional model.
     teeth_at = springs["screw"] if family.gear_body == "screw" else ("ring_roller",)
     words = {"screw": "the screw", "nut": "the nut"}
@@ -125,7 +125,9 @@ def excitation_orders(
     # Speeds of the bodies against the rollers.
     speed = {held: ratio, turning: 1 - ratio}
     # Name, lobes, speed of the pattern relative to the rollers, contacts, description.
-    patterns = [("carrier", one, ratio, springs[held], f"runout of {runout}")]
+    patterns: list[tuple[str, Scalar, Scalar, tuple[str, ...], str]] = [
+        ("carrier", one, ratio, springs[held], f"runout of {runout}")
+    ]
     if family.roller_hand:
         patterns.append(("deviating_start", one, ratio, both, "one start of screw or nut deviates"))
     turned = f"{turning}_rotation"

@@ -247,7 +247,7 @@ def test_compliance_at_nut_load_and_motor(modes):
     words = {text.get_text() for one in upper.artists for text in one.texts}  # pyright: ignore[reportAttributeAccessIssue]
     assert words == {"at the nut", "at the load"}
     turned = axis_compliance_chart(compliance, turning="nut").axes[0]
-    assert {text.get_text() for one in turned.artists for text in one.texts} == {  # pyright: ignore[reportAttributeAccessIssue]
+    assert {text.get_text() for one in turned.artists for text in one.texts} == {
         "at the screw",
         "at the load",
     }

@@ -98,8 +98,7 @@ class _Instant(NamedTuple):
     screw: SlidingSide
     nut: SlidingSide
     flank: Scalar
-    #: Axial force of the nut on one roller, and acceleration of the rollers, in that frame.
-    axial: Scalar
+    #: Acceleration of the rollers along the axis, in that frame [m/s²].
     roller_rate: Scalar
 
 
@@ -114,14 +113,14 @@ def _instant(
     advance = lead * (rates[0] - turning)
     flank = jnp.where(on_nut < 0, -1.0, 1.0).astype(on_nut.dtype)
     one = jnp.ones_like(on_nut)
-    sides = []
-    for slips, axial in zip(
-        problem.slips, (masses.roller_mass * advance - on_nut, on_nut), strict=True
-    ):
+
+    def side(slips: SideSlips, axial: Scalar) -> SlidingSide:
         slip = drive.speed * slips.per_screw
         slip = slip + speeds[0] * slips.per_carrier + speeds[1] * slips.per_spin
-        sides.append(sliding_side(stage.thread_law, slips, flank * slip, one, one, flank * axial))
-    return _Instant(*sides, flank, flank * on_nut, flank * advance)
+        return sliding_side(stage.thread_law, slips, flank * slip, one, one, flank * axial)
+
+    screw = side(problem.slips[0], masses.roller_mass * advance - on_nut)
+    return _Instant(screw, side(problem.slips[1], on_nut), flank, flank * advance)
 
 
 @physics("two_sliding_sides_dynamics")

@@ -86,7 +86,12 @@ def slips_of_both_sides(stage: Stage, kinematics: StageKinematics) -> tuple[Side
 
 
 def sliding_side(
-    law: FrictionLaw | None, slips: SideSlips, turn: Float[Array, "3"], speed, sense, axial
+    law: FrictionLaw | None,
+    slips: SideSlips,
+    turn: Float[Array, "3"],
+    speed: Scalar,
+    sense: Scalar,
+    axial: Scalar,
 ) -> SlidingSide:
     """Forces of one side.
 

@@ -46,7 +46,7 @@ def write_fmu(path: str | os.PathLike[str], mechanism: Mechanism) -> Path:
         from pythonfmu3.builder import FmuBuilder
     except ImportError as error:
         raise missing_extra("fmu", "an FMU", error) from error
-    require_type(mechanism.stages, "transients are", ("standard", "inverted"))
+    require_type(mechanism.stages, "an exchange as FMU is", ("standard", "inverted"))
     check_exchangeable(mechanism)
     units = {quantity.name: quantity.unit for quantity in catalogue()}
     with temporary_folder(Path(tempfile.gettempdir()), "prsm-jax-fmu-") as folder:

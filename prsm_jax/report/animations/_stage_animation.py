@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...dynamics import Transient, travel_per_turn
-from ...mechanism import Mechanism, require_type
+from ...mechanism import Mechanism
 from ...text import DisplayUnit, display_unit, number, trimmed
 from .._style import INK, SMALL, TEXT, Figure, drawn, page_figure, place_axes
 from ..motion_charts import integrated, travel_of
@@ -39,24 +39,27 @@ def angle_scale(screw: np.ndarray) -> float:
 def poses(
     mechanism: Mechanism, run: Transient, frames: int
 ) -> tuple[np.ndarray, list[Pose], float]:
-    """Times [s], the positions of all bodies at each, and the scale of the angles."""
-    require_type(mechanism.stages, "the animation of a transient is")
+    """Times [s], the positions of all bodies at each, and the scale of the angles.
+
+    Rollers that nothing but friction turns (recirculating) are drawn as if they rolled in the nut.
+    """
     time = np.asarray(run.time)
     at = np.linspace(time[0], time[-1], frames)
     screw = np.interp(at, time, integrated(run, run.screw_speed))
     scale = angle_scale(screw)
     count = len(mechanism.stages)
     carriers = [np.interp(at, time, integrated(run, run.carrier_speed[k])) for k in range(count)]
-    starts = [float(stage.thread.starts) for stage in mechanism.stages]
+    ratios = [float(stage.thread.rolling_ratio) for stage in mechanism.stages]
+    turning = mechanism.stages[0].thread.family.turning
     last = float(travel_per_turn(mechanism.stages, count))
     nut_travel = np.interp(at, time, travel_of(mechanism, run))
     shares = [float(travel_per_turn(mechanism.stages, k + 1)) / last for k in range(count)]
     all_poses = [
         Pose(
-            scale * float(screw[i]),
+            {turning: scale * float(screw[i])},
             tuple(scale * float(c[i]) for c in carriers),
-            # In the carrier's frame a roller turns about its axis at −n ω.
-            tuple(-n * scale * float(c[i]) for n, c in zip(starts, carriers, strict=True)),
+            # In the carrier's frame a roller turns about its axis at −κ ω.
+            tuple(-n * scale * float(c[i]) for n, c in zip(ratios, carriers, strict=True)),
             tuple(1e3 * share * float(nut_travel[i]) for share in shares),
         )
         for i in range(frames)
@@ -96,8 +99,9 @@ def save_motion_animation(
 ) -> Path:
     """Write a transient as an animated GIF that repeats.
 
-    Above, every stage seen along the axis: screw and rollers turn, rollers orbit with the carrier.
-    Below, all stages in half-section: each nut carries the next screw. Turning that is too fast or
+    Above, every stage seen along the axis: screw (or nut) and rollers turn, rollers orbit with the
+    carrier. Below, all stages in half-section: each nut carries the next screw; an inverted screw
+    moves through its nut. Turning that is too fast or
     too small for the eye is drawn smaller or larger, and the picture states the factor.
 
     **Arguments:**
@@ -134,14 +138,14 @@ def _pictures(mechanism: Mechanism, run: Transient, frames: int) -> list[Any]:
     pictures: list[Any] = []
     palette = np.zeros((0, 3), int)
     speeds = np.interp(times, np.asarray(run.time), np.asarray(run.screw_speed))
-    rpm = DisplayUnit("rpm", 30 / math.pi)
+    rpm, family = DisplayUnit("rpm", 30 / math.pi), mechanism.stages[0].thread.family
     for time, pose, speed in zip(times.tolist(), all_poses, speeds.tolist(), strict=True):
         for stage, view in enumerate(views, start=1):
             turn_to(view, pose, stage)
         telescope.move(pose)
         heading.set_text(
-            f"{trimmed(clock(time), 3)} {clock.label}, screw {number(rpm(speed), 3)} rpm, "
-            f"nut {number(pose.travel[-1], 3)} mm"
+            f"{trimmed(clock(time), 3)} {clock.label}, {family.turning} {number(rpm(speed), 3)} "
+            f"rpm, {family.held} {number(pose.travel[-1], 3)} mm"
         )
         canvas.draw()
         picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")

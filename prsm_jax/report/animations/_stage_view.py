@@ -19,9 +19,12 @@ _GAP = 1.0
 
 @dataclass(frozen=True)
 class Pose:
-    """Positions of all bodies: angles from the start [rad], travel of each nut [mm]."""
+    """Positions of all bodies: angles from the start [rad], travel of each nut [mm].
 
-    screw: float
+    `turned` has the body that turns; of an inverted roller screw the travel is that of the screw.
+    """
+
+    turned: dict[str, float]
     carriers: tuple[float, ...]
     rollers: tuple[float, ...]
     travel: tuple[float, ...]
@@ -51,7 +54,7 @@ def turning_view(axes: Axes, mechanism: Mechanism, stage: int) -> MovingView:
 def turn_to(view: MovingView, pose: Pose, stage: int) -> None:
     """Turn screw, carrier and rollers; the rollers circle with the carrier."""
     carrier, roller = pose.carriers[stage - 1], pose.rollers[stage - 1]
-    angles = {"nut": 0.0, "screw": pose.screw, "carrier": carrier}
+    angles = {"nut": 0.0, "screw": 0.0, "carrier": carrier} | pose.turned
 
     def place(body: BodyMotion) -> tuple[float, float, float]:
         if body.kind != "roller":
@@ -103,11 +106,14 @@ class TelescopeView:
 
         for stage, body, artists in self._moving:
             before = pose.travel[stage - 1] if stage else 0.0
-            shift = before if body == "screw" else pose.travel[stage]
-            if body == "thread":
+            # An inverted screw takes its thread and the rollers along, and its nut turns in place.
+            inverted = self._dims[stage].family.turning == "nut"
+            moves = body != "nut" if inverted else body in ("nut", "rollers")
+            shift = pose.travel[stage] if moves else before
+            if body == "thread" and not inverted:
                 dims = self._dims[stage]
                 # A thread of n starts looks the same after a pitch, L / n.
-                along = dims.lead * pose.screw / (2 * math.pi)
+                along = dims.lead * pose.turned["screw"] / (2 * math.pi)
                 shift = before + along % dims.pitch
             place = Affine2D().translate(shift, 0.0) + self._axes.transData
             for artist in artists:
@@ -150,10 +156,11 @@ class TelescopeView:
         half = min(dims.drawn_roller_length, 0.92 * (right - left)) / 2
         middle = (left + right) / 2
         ends, radii = (middle - half, middle + half), (dims.screw_radius, dims.nut_radius)
-        artists = [top, self._box(*ends, *radii, "roller", layer + 1)]
+        self._moving.append((stage, "nut", [top]))
+        artists = [self._box(*ends, *radii, "roller", layer + 1)]
         for sign in (-1, 1)[: dims.carrier_count or 0]:
             end = middle + sign * half
             near, far = sorted((end, end + sign * 0.35 * dims.roller_radius))
             low, high = (dims.centre_distance + k * dims.roller_radius for k in (-0.5, 0.5))
             artists.append(self._box(near, far, low, high, "carrier", layer + 1))
-        self._moving.append((stage, "nut", artists))
+        self._moving.append((stage, "rollers", artists))

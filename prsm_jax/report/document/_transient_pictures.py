@@ -28,7 +28,7 @@ def save_transient_pictures(
 
     `transient`, `histories`, `force-orbit`, `powers` and `energy-flow` as PNG and SVG, and
     `motion.gif`. The overview `transient` is written only for a screw at constant speed, the energy
-    flow not for one that never moves.
+    flow not for one that never moves, and the force orbit only for standard roller screws.
 
     **Arguments:**
 
@@ -42,10 +42,11 @@ def save_transient_pictures(
     """
     # Everything that can fail runs before the folder is made.
     figures = {
-        "force-orbit": force_orbit(mechanism, run, _forces(mechanism, run)),
         "histories": history_chart(mechanism, run),
         "powers": power_history_chart(mechanism, run),
     }
+    if all(stage.type == "standard" for stage in mechanism.stages):
+        figures["force-orbit"] = force_orbit(mechanism, run, _forces(mechanism, run))
     if settles(run):
         figures["transient"] = transient_chart(run)
     flow = energy_flow(mechanism, run)

@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import scipy.integrate
+from present import present
 from scenes import Swing, array, mesh, simulate, steady_state
 from type_motion import mechanism, slips_of
 
@@ -142,7 +143,7 @@ def test_travel_and_power_of_the_load_follow_the_carriers():
 def test_losses_inside_the_ellipses_and_both_flanks(load):
     """Spin makes the forces depend on the normal force otherwise than in proportion."""
     (stage,) = _one().stages
-    friction = dataclasses.replace(stage.friction, spin=prsm.friction.SpinFriction(0.06))
+    friction = dataclasses.replace(present(stage.friction), spin=prsm.friction.SpinFriction(0.06))
     one = dataclasses.replace(
         _one(), stages=(dataclasses.replace(stage, friction=friction, sharing="equal"),)
     )
@@ -156,7 +157,7 @@ def test_losses_inside_the_ellipses_and_both_flanks(load):
 def test_reversal_with_friction_that_is_smooth_at_standstill():
     (stage,) = _one().stages
     law = RegularisedCoulombFriction(FRICTION, 1e-3)
-    friction = dataclasses.replace(stage.friction, thread=law)
+    friction = dataclasses.replace(present(stage.friction), thread=law)
     one = dataclasses.replace(_one(), stages=(dataclasses.replace(stage, friction=friction),))
     speed = Swing(array(0.0), array(100.0), array(50.0))
     run = simulate(one, prsm.Scenario(speed, LOAD, 20e-3, samples=101))
@@ -170,8 +171,8 @@ def test_derivatives_are_central_differences():
 
     def last(friction):
         stage = one.stages[0]
-        law = dataclasses.replace(stage.friction.thread, coefficient=friction)
-        losses = dataclasses.replace(stage.friction, thread=law)
+        law = dataclasses.replace(present(present(stage.friction).thread), coefficient=friction)
+        losses = dataclasses.replace(present(stage.friction), thread=law)
         moved = dataclasses.replace(one, stages=(dataclasses.replace(stage, friction=losses),))
         speed = Swing(array(MEAN), array(SWING), array(RATE))
         scenario = prsm.Scenario(speed, array(LOAD), 1e-3, initial_carrier_ratio=0.1, samples=9)
@@ -195,7 +196,9 @@ def test_what_is_not_known_is_refused():
     with pytest.raises(ValueError, match=r"'quasi_steady' is not for type = .differential"):
         prsm.simulate(one, prsm.Scenario(MEAN, LOAD, 1e-3), method="quasi_steady")
     (stage,) = one.stages
-    friction = dataclasses.replace(stage.friction, thread=LuGreFriction(0.08, 0.06, 0.1, 1e7, 10.0))
+    friction = dataclasses.replace(
+        present(stage.friction), thread=LuGreFriction(0.08, 0.06, 0.1, 1e7, 10.0)
+    )
     lugre = dataclasses.replace(one, stages=(dataclasses.replace(stage, friction=friction),))
     with pytest.raises(prsm.MissingDataError, match="LuGre friction of the threads is not known"):
         prsm.simulate(lugre, prsm.Scenario(MEAN, LOAD, 1e-3))

@@ -143,8 +143,8 @@ def test_bearing_drag_and_screw_inertia_add_to_the_torque():
     thrust = LOAD + float(body_mass(stage, "nut")) * reduced * rate
     thrust = thrust - rollers * reduced * (carrier - rate)
     bearing = present(friction.thrust_bearing)
-    expected = float(bearing.coefficient) * float(bearing.radius) * thrust
-    expected = expected + float(present(friction.drag).torque)
+    expected = float(present(bearing.coefficient)) * float(present(bearing.radius)) * thrust
+    expected = expected + float(present(present(friction.drag).torque))
     found = np.asarray(with_losses.drive_torque - bare.drive_torque)
     np.testing.assert_allclose(found, expected, rtol=1e-6)
 
@@ -164,7 +164,7 @@ def test_derivatives_are_central_differences():
     (stage,) = _one().stages
 
     def middle(friction, **options):
-        law = dataclasses.replace(present(stage.friction).thread, coefficient=friction)
+        law = dataclasses.replace(present(present(stage.friction).thread), coefficient=friction)
         losses = dataclasses.replace(present(stage.friction), thread=law)
         moved = dataclasses.replace(_one(), stages=(dataclasses.replace(stage, friction=losses),))
         scenario = prsm.Scenario(_speed(), array(LOAD), 1e-3, initial_carrier_ratio=0.3, samples=9)

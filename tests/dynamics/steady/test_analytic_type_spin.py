@@ -13,7 +13,7 @@ from prsm_jax.friction import CoulombFriction, Friction, SpinFriction
 from prsm_jax.geometry import flanks_of
 from prsm_jax.geometry._flanks import nut_side_hessian, screw_side_hessian
 from prsm_jax.mechanism import Mechanism
-from tests.dynamics.steady.test_analytic_type_motion import _slips, mechanism
+from tests.type_motion import mechanism, slips_of
 
 SPEED, LOAD, MU = 100.0, 20e3, 0.08
 
@@ -71,7 +71,7 @@ def test_power_of_slip_and_spin_by_quadrature(kind):
     assert found.result_name == "successful"
     assert float(found.power_balance_residual) < 1e-12
     meshing, family = mesh(stage.thread), stage.thread.family
-    slips, _ = _slips(stage.thread, meshing, [float(found.carrier_ratio[0])], kind)
+    slips, _ = slips_of(stage.thread, meshing, [float(found.carrier_ratio[0])], kind)
     (side,) = family.sliding
     other = "nut" if side == "screw" else "screw"
     count, carrier = stage.roller_count, float(found.carrier_ratio[0]) * SPEED

@@ -24,7 +24,10 @@ from prsm_jax.report import (
     save_transient_pictures,
     steady_flow,
 )
+from prsm_jax.report._style import page_figure
+from prsm_jax.report.animations import _stage_animation
 from prsm_jax.report.animations._stage_animation import angle_scale, poses
+from prsm_jax.report.animations._stage_view import TelescopeView
 from prsm_jax.report.document._transient_pictures import _forces
 from prsm_jax.report.motion_charts._history_chart import sticking_phases, travel_of
 from prsm_jax.scenario import Scenario
@@ -162,7 +165,7 @@ def test_the_stages_move_as_they_should(mechanism, settling):
     times, found, scale = poses(mechanism, settling, 11)
     assert times[-1] == pytest.approx(1e-3)
     last = found[-1]
-    assert last.screw == pytest.approx(scale * 0.1)
+    assert last.turned == {"screw": pytest.approx(scale * 0.1)}
     # Each nut takes the next screw along, so the second has travelled both leads.
     assert last.travel == pytest.approx([0.1 / (2 * math.pi) * 10, 0.1 / (2 * math.pi) * 20])
     for stage in (0, 1):
@@ -223,3 +226,66 @@ def test_nothing_moves_and_nothing_is_said_of_energy(mechanism, tmp_path):
     )
     written = save_transient_pictures(tmp_path, mechanism, still, animation=False)
     assert not any("energy" in path.name for path in written)
+
+
+#: By example: the body that turns, the bodies that move along the axis in the half-section, and
+#: travel over the angle of that body, in leads.
+TYPES = {
+    "humanoid_leg": ("nut", {"screw", "thread", "rollers"}),
+    "recirculating_stage": ("screw", {"nut", "rollers"}),
+    "differential_stage": ("screw", {"nut", "rollers"}),
+}
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_other_types_have_pictures_of_their_motion(name, tmp_path):
+    mechanism, (turning, moving) = example(name), TYPES[name]
+    run = simulate(mechanism, Scenario(100.0, 2000.0, 1e-3, samples=21))
+    written = save_transient_pictures(tmp_path / "out", mechanism, run, animation=False)
+    names = {"transient", "histories", "powers", "energy-flow"}
+    assert {path.name for path in written} == {f"{n}.{s}" for n in names for s in ("png", "svg")}
+    _, found, scale = poses(mechanism, run, 11)
+    last, thread = found[-1], mechanism.stages[0].thread
+    assert last.turned == {turning: pytest.approx(scale * 0.1)}
+    carriers = np.trapezoid(np.asarray(run.carrier_speed)[0], np.asarray(run.time))
+    # The nut of a differential one travels by the lead per turn of screw over carrier.
+    angle = 0.1 - carriers if name == "differential_stage" else 0.1
+    travel = 1e3 * float(thread.lead) / (2 * math.pi) * angle
+    assert last.travel == pytest.approx((travel,), rel=1e-6)
+    radii = float(thread.nut_radius), float(thread.screw_radius), float(thread.roller_radius)
+    # Around a held screw rollers turn with the carrier, in a held nut against it.
+    ratio = -radii[1] / radii[2] if turning == "nut" else radii[0] / radii[2]
+    assert last.rollers[0] == pytest.approx(-ratio * last.carriers[0])
+
+    axes = page_figure(40, 100).subplots()
+    view = TelescopeView(axes, mechanism, np.array([pose.travel for pose in found]).T)
+
+    def places():
+        return {
+            body: (artists[0].get_transform() - axes.transData).transform((0.0, 0.0))[0]
+            for _, body, artists in view._moving
+        }
+
+    view.move(found[0])
+    start = places()
+    view.move(last)
+    shifts = {body: place - start[body] for body, place in places().items()}
+    for body in ("screw", "nut", "rollers"):
+        assert shifts[body] == pytest.approx(travel if body in moving else 0.0, abs=1e-9)
+    pitch = 1e3 * float(thread.pitch)
+    along = travel
+    if turning == "screw":
+        along = last.turned["screw"] / (2 * math.pi) * 1e3 * float(thread.lead) % pitch
+    assert shifts["thread"] == pytest.approx(along, abs=1e-9)
+
+
+def test_the_heading_names_the_bodies_of_an_inverted_screw(monkeypatch, tmp_path):
+    mechanism = example("humanoid_leg")
+    run = simulate(mechanism, Scenario(100.0, 2000.0, 1e-3, samples=21))
+    figures, still = [], _stage_animation._still
+    monkeypatch.setattr(
+        _stage_animation, "_still", lambda *given: figures.append(still(*given)) or figures[-1]
+    )
+    save_motion_animation(tmp_path / "motion", mechanism, run, frames=8)
+    heading = figures[0].texts[-1].get_text()
+    assert heading == "1 ms, nut 955 rpm, screw 0.0796 mm"
