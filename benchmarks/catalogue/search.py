@@ -17,8 +17,10 @@ from .tasks import Task
 _SECOND_START = (0.4, 0.2, 0.8)
 #: Tolerance of SLSQP, for t and for the sum of violated constraints.
 _TOLERANCE = 1e-9
-#: Largest KKT residual of an optimum, and how often a search is repeated from its own end.
-_OPTIMAL, _MOST_REPEATS = 1e-6, 3
+#: Largest KKT residual of an optimum.
+_OPTIMAL = 1e-6
+#: Where a search that is not at one starts again: so far from its end towards the second start.
+_ASIDE = (1e-3, 1e-2, 0.1, 0.5)
 #: Largest violation of a limit, as the logarithm of a ratio, and slack of an active one.
 FEASIBLE = 1e-7
 
@@ -79,12 +81,13 @@ def search(task: Task, ask: Callable[[np.ndarray], tuple[np.ndarray, ...]]) -> F
 
     starts = task.unit(task.own) * box, np.append(_SECOND_START, fewer)
     best = max((ended(start) for start in starts), key=rank)
-    for _ in range(_MOST_REPEATS):
-        # In a corner of many limits SLSQP may stop early, with its estimate of the Hessian at
-        # fault; from there it starts with a new one.
+    for aside in _ASIDE:
+        # In a corner of many limits SLSQP may stop early. It starts again a little beside its end,
+        # with a new estimate of the Hessian.
         if best.kkt_residual <= _OPTIMAL:
             break
-        best = max(best, ended((task.unit(best.variables)) * box), key=_rank_of_optima)
+        end = task.unit(best.variables) * box
+        best = max(best, ended(end + aside * (starts[1] - end)), key=_rank_of_optima)
     return best
 
 

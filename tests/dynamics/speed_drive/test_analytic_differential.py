@@ -196,9 +196,8 @@ def test_what_is_not_known_is_refused():
     with pytest.raises(ValueError, match=r"'quasi_steady' is not for type = .differential"):
         prsm.simulate(one, prsm.Scenario(MEAN, LOAD, 1e-3), method="quasi_steady")
     (stage,) = one.stages
-    friction = dataclasses.replace(
-        present(stage.friction), thread=LuGreFriction(0.08, 0.06, 0.1, 1e7, 10.0)
-    )
+    law = LuGreFriction(0.08, 0.06, 0.1, 1e7, 10.0)
+    friction = dataclasses.replace(present(stage.friction), thread=law)
     lugre = dataclasses.replace(one, stages=(dataclasses.replace(stage, friction=friction),))
     with pytest.raises(prsm.MissingDataError, match="LuGre friction of the threads is not known"):
         prsm.simulate(lugre, prsm.Scenario(MEAN, LOAD, 1e-3))
