@@ -85,7 +85,9 @@ def roller_support_forces(
         gear_force = jnp.zeros_like(gear_force)
     if stage.gear is not None:
         gear_radial, gear_force = _tooth_forces(stage.gear, gear_tangential)
-        pin_radial = pin_radial - gear_radial
+        # Teeth of a screw push the rollers outwards.
+        outwards = kinematics.spin_sense < 0
+        pin_radial = pin_radial + gear_radial if outwards else pin_radial - gear_radial
 
     side = kinematics.sliding
     arm, angle = side.roller_contact_radius, side.roller_angle_position

@@ -24,6 +24,7 @@ from ._free_bodies import (
     ScrewAcceleration,
     StageSurroundings,
     part_masses,
+    radii_of,
     roller_acceleration,
     roller_forces,
 )
@@ -55,6 +56,10 @@ class BodyForces(DesignResult):
     through the roller's), tangential, axial (along the load on the nut). Forces on a roller are
     those on one roller; its reactions on screw, nut and carriers are opposite, times the number of
     rollers. Torques are about the axis of the screw, positive in the sense of positive speed.
+
+    "Screw" is the body that turns, on which the rollers slide, and "nut" the one that is held: in
+    an inverted roller screw these are its nut and its screw, and "ring gear" is the teeth of its
+    screw.
     """
 
     #: Normal force of the screw on one roller, all threads together [N].
@@ -154,7 +159,8 @@ def body_forces(
     **Raises:** `MissingDataError` if a mass is needed and not given. Masses of rollers and carriers
     are needed unless in a steady state, those of screws and nuts where the screw accelerates.
     """
-    require_type(mechanism.stages, "the forces on all bodies (body_forces) are")
+    known = ("standard", "inverted")
+    require_type(mechanism.stages, "the forces on all bodies (body_forces) are", known)
     if kinematics is None:
         kinematics = all_kinematics(mechanism)
     kinematics = with_resistance(mechanism.stages, kinematics)
@@ -192,15 +198,17 @@ def _masses(mechanism: Mechanism, run: Instant, settled: bool) -> tuple[PartMass
     )
 
 
-def _known(mechanism: Mechanism, run: Instant, index: int) -> StageSurroundings:
+def _known(
+    mechanism: Mechanism, kinematics: StageKinematics, run: Instant, index: int
+) -> StageSurroundings:
     """Known quantities of one stage, for the equations of its forces."""
     stage = mechanism.stages[index]
-    friction, thread = stage.friction, stage.thread
+    friction = stage.friction
     speed, carrier = run.screw_speed, run.carrier_speed[index]
     direction = None if run.slip_direction is None else run.slip_direction[index]
     # The axial slip has the sense of the screw's rotation, even at standstill.
     sense = sense_of(speed if direction is None else direction[2])
-    rolling = (thread.starts - 1) * carrier
+    rolling = kinematics.relative_spin_ratio * carrier
     stands = (speed == 0) & (carrier == 0)
     zero = jnp.zeros_like(speed)
     spline = bearing = (zero, zero)
@@ -244,7 +252,9 @@ def _at(
     run: Instant,
 ) -> BodyForces:
     stages = mechanism.stages
-    surroundings = tuple(_known(mechanism, run, index) for index in range(len(stages)))
+    surroundings = tuple(
+        _known(mechanism, kinematics[index], run, index) for index in range(len(stages))
+    )
     solution, solved = newton_forces(mechanism, kinematics, masses, surroundings, run.load)
     rows = []
     for index, (stage, geometry, mass, known, unknowns) in enumerate(
@@ -254,7 +264,7 @@ def _at(
         vectors = roller_forces(stage, geometry, known, unknowns)
         acceleration = unknowns.carrier_acceleration / mass.reference
         screw_moment, nut_moment = contact_moments(stage, geometry, known, unknowns)
-        radius, thread = stage.thread.screw_radius, stage.thread
+        held, radius = radii_of(stage)
         rows.append(
             {
                 "screw_contact_force": jnp.abs(unknowns.screw_contact),
@@ -275,7 +285,7 @@ def _at(
                 "drive_torque": radius * unknowns.drive_torque,
                 "spline_friction": unknowns.spline_friction,
                 "drag_torque": known.drag_torque,
-                "anti_rotation_torque": thread.nut_radius * unknowns.anti_rotation,
+                "anti_rotation_torque": held * unknowns.anti_rotation,
             }
         )
     columns = {name: jnp.stack([row[name] for row in rows]) for name in rows[0]}

@@ -2,7 +2,10 @@
 
 Vectors are in the frame that turns with the carrier: radial from the screw's axis through that of
 the roller, tangential, axial. The load pushes the nut along the axis. Moments are about the axis
-of the screw, those on a roller about its own.
+of the screw, those on a roller about its own. As in the rest of this room "screw" is the body that
+turns and on which rollers slide, "nut" the one that is held and on which they roll; an inverted
+roller screw is looked at from the other end, so that its load, too, pushes the "nut" along the
+axis.
 """
 
 import contextlib
@@ -101,9 +104,10 @@ def part_masses(stage: Stage, accelerates: bool, travels: bool, settled: bool) -
         if stage.carrier is not None:
             carrier_inertia = stage.carrier.count * body_inertia(stage, "carrier")
     if accelerates:
-        nut_mass, screw_inertia = body_mass(stage, "nut"), body_inertia(stage, "screw")
+        family = thread.family
+        nut_mass, screw_inertia = body_mass(stage, family.held), body_inertia(stage, family.turning)
         if travels:
-            screw_mass = body_mass(stage, "screw")
+            screw_mass = body_mass(stage, family.turning)
         if stage.carrier is not None:
             # Papers give the carriers' inertia without their mass, small next to that of the nut.
             with contextlib.suppress(MissingDataError):
@@ -175,6 +179,19 @@ class RollerForces(NamedTuple):
     pin: Float[Array, "3"]
 
 
+def outside_of(kinematics: StageKinematics) -> int:
+    """+1 where rollers roll on the body around them, −1 where on the one that they surround."""
+    return kinematics.spin_sense
+
+
+def radii_of(stage: Stage) -> tuple[Scalar, Scalar]:
+    """Nominal radii of the body that is held and of the one that turns [m]."""
+    thread = stage.thread
+    if thread.family.turning == "screw":
+        return thread.nut_radius, thread.screw_radius
+    return thread.screw_radius, thread.nut_radius
+
+
 def flank_of(unknowns: StageUnknowns) -> Scalar:
     """+1 where the usual flanks carry, −1 where the opposite flanks do."""
     return jnp.where(unknowns.screw_contact < 0, -1.0, 1.0).astype(unknowns.screw_contact.dtype)
@@ -235,11 +252,11 @@ def roller_forces(
     zero = jnp.zeros_like(tooth)
     separating = zero
     if stage.gear is not None:
-        separating = _separating_force(stage.gear, tooth)
+        separating = outside_of(kinematics) * _separating_force(stage.gear, tooth)
     return RollerForces(
-        normal=force * turned(kinematics.meshing.screw.normal, flank_sign),
+        normal=force * turned(kinematics.sliding.normal, flank_sign),
         friction=force * per_force + constant,
-        nut=unknowns.nut_contact * turned(kinematics.meshing.nut.normal, flank_sign),
+        nut=unknowns.nut_contact * turned(kinematics.rolling.normal, flank_sign),
         ring_gear=jnp.stack([separating, tooth, zero]),
         pin=jnp.stack([unknowns.pin_radial, unknowns.pin_tangential, zero]),
     )
@@ -283,7 +300,8 @@ def unbalanced(
     - `moments`: resisting moments in the contacts of one roller with screw and nut [N·m].
     """
     thread, count = stage.thread, stage.present_roller_count
-    side, flank_sign = kinematics.meshing.screw, flank_of(unknowns)
+    side, flank_sign = kinematics.sliding, flank_of(unknowns)
+    outside = outside_of(kinematics)
     acceleration = unknowns.carrier_acceleration / masses.reference
     forces = roller_forces(stage, kinematics, known, unknowns)
     on_screw_side, on_nut_side = known.screw_sense * moments[0], known.nut_sense * moments[1]
@@ -294,11 +312,13 @@ def unbalanced(
     inertia = jnp.stack([masses.circling_mass, masses.roller_mass, masses.roller_mass]) * centre
     force = by_screw + forces.nut + 2 * forces.ring_gear + 2 * forces.pin - inertia
     position = flank_sign * side.roller_angle_position
-    roller_arm = side.roller_contact_radius * jnp.stack([-jnp.cos(position), jnp.sin(position)])
+    # The body that slides is inside of the roller, and the one that it rolls on outside of it.
+    across = -outside * jnp.cos(position)
+    roller_arm = side.roller_contact_radius * jnp.stack([across, jnp.sin(position)])
     spin_acceleration = -kinematics.relative_spin_ratio * acceleration
     moment = (
         _moment(roller_arm, by_screw)
-        + thread.roller_radius * (forces.nut[1] + 2 * forces.ring_gear[1])
+        + outside * thread.roller_radius * (forces.nut[1] + 2 * forces.ring_gear[1])
         + on_screw_side
         + on_nut_side
         - masses.roller_inertia * spin_acceleration
@@ -311,17 +331,17 @@ def unbalanced(
 
     # Nut, with the ring gears in it.
     nut_axial = following.load - count * forces.nut[2] - unknowns.carrier_axial
+    held, turning = radii_of(stage)
     nut_moment = (
-        thread.nut_radius * (unknowns.anti_rotation - count * forces.nut[1])
-        - 2 * count * thread.nut_radius * forces.ring_gear[1]
+        held * (unknowns.anti_rotation - count * forces.nut[1])
+        - 2 * count * held * forces.ring_gear[1]
         - count * on_nut_side
         + following.bearing_torque
         + known.drag_torque
     )
 
     # Screw.
-    radius = thread.screw_radius
-    torque, bearing = radius * unknowns.drive_torque, radius * unknowns.bearing_torque
+    torque, bearing = turning * unknowns.drive_torque, turning * unknowns.bearing_torque
     screw_axial = (
         unknowns.spline_friction
         - unknowns.support
@@ -353,11 +373,11 @@ def unbalanced(
         carriers / (count * distance),
         carriers_axial,
         nut_axial,
-        nut_moment / thread.nut_radius,
+        nut_moment / held,
         screw_axial,
-        screw_moment / radius,
+        screw_moment / turning,
         unknowns.spline_friction - spline,
-        (bearing - thrust) / radius,
+        (bearing - thrust) / turning,
     ]
 
 

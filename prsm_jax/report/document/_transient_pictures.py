@@ -28,7 +28,8 @@ def save_transient_pictures(
 
     `transient`, `histories`, `force-orbit`, `powers` and `energy-flow` as PNG and SVG, and
     `motion.gif`. The overview `transient` is written only for a screw at constant speed, the energy
-    flow not for one that never moves, and the force orbit only for standard roller screws.
+    flow not for one that never moves, and the force orbit only for standard and inverted roller
+    screws.
 
     **Arguments:**
 
@@ -45,7 +46,7 @@ def save_transient_pictures(
         "histories": history_chart(mechanism, run),
         "powers": power_history_chart(mechanism, run),
     }
-    if all(stage.type == "standard" for stage in mechanism.stages):
+    if all(stage.type in ("standard", "inverted") for stage in mechanism.stages):
         figures["force-orbit"] = force_orbit(mechanism, run, _forces(mechanism, run))
     if settles(run):
         figures["transient"] = transient_chart(run)

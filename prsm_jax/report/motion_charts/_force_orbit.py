@@ -11,14 +11,15 @@ from ...text import display_unit, in_unit, number
 from .._parts import legend_below
 from .._style import INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_figure
 
+#: Force, words with the body that turns and the one that is held, ends of the roller, colour.
 _NORMAL = (
-    ("screw_normal_on_roller", "screw, normal", 1, 0),
-    ("nut_on_roller", "nut", 1, 2),
+    ("screw_normal_on_roller", "{turning}, normal", 1, 0),
+    ("nut_on_roller", "{held}", 1, 2),
 )
 #: Sums of both ends of a roller, so that all forces of the picture add up to its inertia force.
 _OTHERS = (
-    ("screw_friction_on_roller", "screw, friction", 1, 3),
-    ("ring_gear_on_roller", "ring gear, both ends", 2, 4),
+    ("screw_friction_on_roller", "{turning}, friction", 1, 3),
+    ("ring_gear_on_roller", "{teeth}, both ends", 2, 4),
     ("pin_on_roller", "carrier pins, both ends", 2, 1),
 )
 _WAYS = ("radial", "tangential", "axial")
@@ -53,9 +54,16 @@ def force_orbit(mechanism: Mechanism, run: Transient, forces: BodyForces | None 
     grid = figure.subplots(count, 2, squeeze=False)
     for stage, row in enumerate(grid):
         name = f", stage {stage + 1}" if count > 1 else ""
-        _orbits(row[0], forces, stage, _NORMAL, (0, 2))
+        family = mechanism.stages[stage].thread.family
+        teeth = "ring gear" if family.gear_body == "nut" else "teeth of the screw"
+        bodies = {"turning": family.turning, "held": family.held, "teeth": teeth}
+        normal, others = (
+            tuple((one[0], one[1].format(**bodies), *one[2:]) for one in rows)
+            for rows in (_NORMAL, _OTHERS)
+        )
+        _orbits(row[0], forces, stage, normal, (0, 2))
         row[0].set_title(f"Threads, normal force{name}")
-        _orbits(row[1], forces, stage, _OTHERS, (0, 1))
+        _orbits(row[1], forces, stage, others, (0, 1))
         row[1].set_title(f"Friction, gear and carrier{name}")
     _legend(figure, float(run.time[0]), float(run.time[-1]))
     return figure

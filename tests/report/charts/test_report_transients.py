@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from PIL import Image
+from present import present
 from report_checks import assert_printable, axis_labels
 from report_scenes import make_steady, make_transient
 from scenes import array, example, simulate
@@ -243,6 +244,7 @@ def test_other_types_have_pictures_of_their_motion(name, tmp_path):
     run = simulate(mechanism, Scenario(100.0, 2000.0, 1e-3, samples=21))
     written = save_transient_pictures(tmp_path / "out", mechanism, run, animation=False)
     names = {"transient", "histories", "powers", "energy-flow"}
+    names |= {"force-orbit"} if name == "humanoid_leg" else set()
     assert {path.name for path in written} == {f"{n}.{s}" for n in names for s in ("png", "svg")}
     _, found, scale = poses(mechanism, run, 11)
     last, thread = found[-1], mechanism.stages[0].thread
@@ -277,6 +279,21 @@ def test_other_types_have_pictures_of_their_motion(name, tmp_path):
     if turning == "screw":
         along = last.turned["screw"] / (2 * math.pi) * 1e3 * float(thread.lead) % pitch
     assert shifts["thread"] == pytest.approx(along, abs=1e-9)
+
+
+def test_the_forces_name_the_bodies_of_an_inverted_screw():
+    mechanism = example("humanoid_leg")
+    run = simulate(mechanism, Scenario(100.0, 2000.0, 1e-3, samples=21))
+    figure = force_orbit(mechanism, run)
+    words = [
+        text.get_text().partition(" (")[0]
+        for axes in figure.axes
+        for text in present(axes.get_legend()).get_texts()
+    ]
+    assert words == [
+        *("nut, normal", "screw"),
+        *("nut, friction", "teeth of the screw, both ends", "carrier pins, both ends"),
+    ]
 
 
 def test_the_heading_names_the_bodies_of_an_inverted_screw(monkeypatch, tmp_path):
