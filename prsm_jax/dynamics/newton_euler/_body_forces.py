@@ -20,14 +20,13 @@ from ..histories import Transient
 from ..steady import SteadyState, all_kinematics
 from ._equations_of_motion import contact_moments, from_following, newton_forces
 from ._free_bodies import (
-    PartMasses,
     ScrewAcceleration,
     StageSurroundings,
-    part_masses,
     radii_of,
     roller_acceleration,
     roller_forces,
 )
+from ._part_masses import PartMasses, part_masses
 
 
 class Instant(eqx.Module):

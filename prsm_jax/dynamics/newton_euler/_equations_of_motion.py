@@ -20,12 +20,12 @@ from .._kinematics import StageKinematics
 from ..friction import has_contact_losses, resisting_moments
 from ._free_bodies import (
     FromNext,
-    PartMasses,
     StageSurroundings,
     StageUnknowns,
     rubbing_on_screw_side,
     unbalanced,
 )
+from ._part_masses import PartMasses
 
 _UNKNOWNS = len(StageUnknowns._fields)
 _MOST_ITERATIONS = 20
