@@ -284,7 +284,8 @@ def _row(problem: TwoSidesProblem, drive: Drive, speeds: Float[Array, "2"]) -> d
     largest = jnp.maximum(jnp.maximum(jnp.abs(drive_power), jnp.abs(load_power)), jnp.abs(kinetic))
     imbalance = drive_power - load_power - sum(losses.values()) - kinetic
 
-    # Newton: moments about the roller's own axis, and the force that pins have to add.
+    # Newton: moments about the roller's own axis, the force that pins have to add, and what that
+    # does to the carriers.
     total = at.screw.on_roller + at.nut.on_roller
     about = [arm - jnp.stack([distance, zero]) for arm in arms]
     own = _moment(about[0], at.screw.on_roller) + _moment(about[1], at.nut.on_roller)
@@ -292,6 +293,7 @@ def _row(problem: TwoSidesProblem, drive: Drive, speeds: Float[Array, "2"]) -> d
     inward = -masses.roller_mass * carrier**2 * distance
     along = flank * masses.roller_mass * rates[0] * distance
     pin = jnp.stack([(inward - total[0]) / 2, (along - total[1]) / 2])
+    carriers = 2 * count * distance * pin[1] + flank * masses.carrier_inertia * rates[0]
 
     driving = speed * load >= 0
     useful, spent = (
@@ -310,7 +312,10 @@ def _row(problem: TwoSidesProblem, drive: Drive, speeds: Float[Array, "2"]) -> d
         "carrier_force": jnp.sqrt(dot_few(pin, pin)),
         "spline_friction": zero,
         "stage_torque": torque,
-        "newton_residual": jnp.abs(own) / jnp.maximum(force * thread.roller_radius, _LEAST_MOMENT),
+        "newton_residual": jnp.maximum(
+            jnp.abs(own) / jnp.maximum(force * thread.roller_radius, _LEAST_MOMENT),
+            jnp.abs(carriers) / jnp.maximum(count * force * distance, _LEAST_MOMENT),
+        ),
         "slip_direction": turned(at.screw.direction, flank),
     }
     row = {

@@ -109,7 +109,8 @@ def test_power_and_moments_balance(swings, load):
     run = _run(swings, load)
     assert int(run.solver.code) == 0
     assert float(jnp.max(run.power_balance_residual)) < 1e-12
-    # Lagrange's accelerations satisfy the balance of moments about the roller's own axis.
+    # Lagrange's accelerations satisfy the balance of moments about the roller's own axis, and that
+    # of the pins' forces on the carriers.
     assert float(jnp.max(run.newton_residual)) < 1e-12
 
 
