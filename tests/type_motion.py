@@ -1,8 +1,12 @@
 """A mechanism of every type, and the slips and travel of its rigid bodies, in NumPy."""
 
-import numpy as np
-from scenes import STEEL
+import dataclasses
 
+import numpy as np
+from present import present
+from scenes import STEEL, Swing, array
+
+import prsm_jax as prsm
 from prsm_jax.friction import CoulombFriction, Drag, Friction, ThrustBearingFriction
 from prsm_jax.mechanism import Carrier, Gear, Mechanism, Nut, Roller, Screw, Stage, Thread
 
@@ -80,3 +84,16 @@ def slips_of(thread, meshing, unknown, kind):
         rolls = spin * np.array([-y, x - centre, 0.0])
         slips[side] = body - rolls + [0.0, 0.0, axial[side] - axial["roller"]]
     return slips, axial["nut"] - axial["screw"]
+
+
+def with_law(one, law):
+    """A mechanism with another law of thread friction."""
+    (stage,) = one.stages
+    friction = dataclasses.replace(present(stage.friction), thread=law)
+    return dataclasses.replace(one, stages=(dataclasses.replace(stage, friction=friction),))
+
+
+def reversal(load):
+    """One period of a speed through standstill."""
+    speed = Swing(array(0.0), array(100.0), array(50.0))
+    return prsm.Scenario(speed, load, 20e-3, samples=101)

@@ -38,24 +38,17 @@ _INVERTED = _SPRINGS | {
     "screw_support_axial": "screw mounting",
     "thrust_tube": "joint at the load",
 }
-#: By example: bodies whose displacement moves the ends of each part.
+#: Bodies whose displacement moves the ends of each part; of the tube by example.
+_PARTS = {
+    "screw": [("screw_end", "screw"), ("screw", "screw")],
+    "roller": [("roller 1", "roller 1")],
+    "nut": [("nut", "nut")],
+    "motor": [("", "")],
+    "load": [("load", "load")],
+}
 _MOVED = {
-    "actuator_axis": {
-        "screw": [("screw_end", "screw"), ("screw", "screw")],
-        "roller": [("roller 1", "roller 1")],
-        "nut": [("nut", "nut")],
-        "motor": [("", "")],
-        "tube": [("nut", "load")],
-        "load": [("load", "load")],
-    },
-    "humanoid_leg": {
-        "screw": [("screw_end", "screw"), ("screw", "screw")],
-        "roller": [("roller 1", "roller 1")],
-        "nut": [("nut", "nut")],
-        "motor": [("", "")],
-        "tube": [("load", "screw_end")],
-        "load": [("load", "load")],
-    },
+    "actuator_axis": _PARTS | {"tube": [("nut", "load")]},
+    "humanoid_leg": _PARTS | {"tube": [("load", "screw_end")]},
 }
 
 

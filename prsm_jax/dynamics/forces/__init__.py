@@ -1,6 +1,7 @@
 """Forces of one stage and of the chain of stages at one instant."""
 
 from ._chain import (
+    ScrewForces as ScrewForces,
     StageState as StageState,
     all_push as all_push,
     chain_forces as chain_forces,
@@ -37,4 +38,5 @@ from ._stage_forces import (
     Motion as Motion,
     axial_inertia as axial_inertia,
     carrier_inertia as carrier_inertia,
+    held_mass as held_mass,
 )

@@ -82,8 +82,12 @@ def axial_inertia(stage: Stage) -> Scalar:
 
     In an inverted roller screw that body is the screw.
     """
-    held = body_mass(stage, stage.thread.family.held)
-    mass = stage.present_roller_count * mean_roller_mass(stage) + held
+    return stage.present_roller_count * mean_roller_mass(stage) + held_mass(stage)
+
+
+def held_mass(stage: Stage) -> Scalar:
+    """Mass of the held body and of the carriers beside it [kg]."""
+    mass = body_mass(stage, stage.thread.family.held)
     carrier = stage.carrier
     if carrier is not None:
         # Papers give the carriers' inertia without their mass; it is small compared with the nut's.

@@ -1,7 +1,6 @@
 """Time histories of a transient."""
 
 import dataclasses
-import functools
 from collections.abc import Callable
 from typing import Annotated, Any
 
@@ -30,6 +29,7 @@ from ..forces import (
 )
 from ..friction import turned
 from ..steady import jamming_margin, steady_meaning
+from ._power_entries import power_entries, relative
 
 _MEANINGS = (
     "successful",
@@ -53,6 +53,7 @@ _MEANINGS = (
     "result is not finite; correct it",
     "impossible duration: a simulation needs a finite duration of more than 0 s",
 )
+
 _JAMMED = 7
 #: Codes from here on concern the mechanism and the scenario, not the integration.
 CANNOT_BE_BUILT, MEANS_NOTHING = 9, 11
@@ -227,11 +228,6 @@ def _deflections(instant: tuple[StageState, ...]) -> Float[Array, "stages 3"] | 
     )
 
 
-def _relative(residual: Scalar, scale: Scalar) -> Scalar:
-    """Residual over its scale; without load the absolute residual."""
-    return jnp.abs(residual) / jnp.where(scale > 0, scale, 1.0)
-
-
 def finite_row(row: dict[str, Any]) -> Bool[Array, ""]:
     """Whether everything at one time is finite."""
     # 0 times NaN or infinity is NaN.
@@ -274,20 +270,12 @@ def rows_of(
         # Travel of the last nut per radian of the screw.
         share = travel_share(mechanism.stages[-1].thread, ratio[-1])
         travel = lead if share is None else lead * share
-        drive_power, load_power = torque * speed, load * travel * speed
+        load_power = load * travel * speed
         if share is not None:
             load_power = load * lead * (speed - carriers[-1])
-        largest_power = functools.reduce(
-            jnp.maximum, map(jnp.abs, (drive_power, load_power, kinetic))
-        )
-        imbalance = drive_power - load_power - sum(loss_powers.values()) - kinetic
         stored = stored_power(mechanism, instant)
-        if stored is not None:
-            imbalance = imbalance - stored
-        driving = speed * load >= 0
-        useful = jnp.where(driving, load * travel, torque)
-        spent = jnp.where(driving, torque, load * travel)
         row = {
+            **power_entries(torque, load * travel, speed, load_power, loss_powers, kinetic, stored),
             **forces_by_stage(kinematics, instant, supports),
             "screw_speed": speed,
             "screw_acceleration": screw_acceleration,
@@ -295,15 +283,10 @@ def rows_of(
             "carrier_speed": carriers,
             "carrier_acceleration": acceleration,
             "carrier_ratio": ratio,
-            "efficiency": jnp.where(spent != 0, useful / jnp.where(spent != 0, spent, 1.0), 0.0),
-            "drive_torque": torque,
             "stage_torque": jnp.stack([s.screw.drive_torque for s in instant]),
-            "losses": loss_powers,
-            "power_balance_residual": jnp.abs(imbalance)
-            / jnp.where(largest_power > 0, largest_power, 1.0),
             "newton_residual": jnp.stack(
                 [
-                    _relative(
+                    relative(
                         support.moment_residual,
                         state.forces.contact_force * geometry.thread.roller_radius,
                     )
@@ -312,7 +295,6 @@ def rows_of(
             ),
             "bristle_deflection": _deflections(instant),
             "bristle_power": stored,
-            "load_power": load_power,
         }
         # Evaluated here, for one row: a caller that keeps one history need not store all of them.
         return {**row, "finite": finite_row(row), "pulled": any_few(row["contact_force"] < 0)}

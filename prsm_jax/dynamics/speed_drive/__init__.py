@@ -12,6 +12,7 @@ from ._carrier_motion import (
     driven_states as driven_states,
     error_weight as error_weight,
     moves_nut as moves_nut,
+    sample_times as sample_times,
     scaled_rate as scaled_rate,
     standstills as standstills,
     states_at as states_at,
@@ -20,7 +21,6 @@ from ._choose_method import (
     MethodChoice as MethodChoice,
     choose_method as choose_method,
     chosen_method as chosen_method,
-    sample_times as sample_times,
     scene_problem as scene_problem,
 )
 from ._closed_form import closed_form_history as closed_form_history

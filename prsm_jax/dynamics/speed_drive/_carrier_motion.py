@@ -1,6 +1,7 @@
 """The carriers' equation of motion, and its scales."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import equinox as eqx
 import jax
@@ -42,15 +43,20 @@ _ROUNDINGS = 16.0
 _GOLDEN = (5**0.5 - 1) / 2
 
 
-class Problem(eqx.Module):
-    """Everything the right-hand side needs, as one pytree."""
+class ScaledProblem(eqx.Module):
+    """What right-hand sides of all types need: the scene, and scales of its speeds and its time."""
 
     mechanism: Mechanism
     kinematics: tuple[StageKinematics, ...]
     scenario: Scenario
-    inertia: Float[Array, " stages"]
     speed_scale: Scalar
     time_scale: Scalar
+
+
+class Problem(ScaledProblem):
+    """Everything the right-hand side needs, as one pytree."""
+
+    inertia: Float[Array, " stages"]
     #: The mechanism in few scalars, where those suffice.
     reduced: ReducedChain | None = None
 
@@ -172,26 +178,58 @@ def carrier_problem(
     their steady state.
     """
     inertia = jnp.stack([carrier_inertia(stage) for stage in mechanism.stages])
-    times = times_of_scales(scenario)
+    speed, drive = fastest_drive(scenario)
+    reduced = reduced_chain(mechanism, kinematics, inertia)
+    one = jnp.ones_like(speed)
+    problem = Problem(mechanism, kinematics, scenario, speed, one, inertia, reduced)
+    # Not exactly at the steady state, where a friction law may have a kink.
+    carrier = 0.3 * drive.speed * jnp.ones_like(inertia)
+    return with_scales(problem, lambda w: carrier_acceleration(problem, drive, w), carrier)
+
+
+def fastest_drive(scenario: Scenario) -> tuple[Scalar, Drive]:
+    """The highest speed of a scene (1 where it stands still) [rad/s], and the drive at its time."""
+    times = _times_of_scales(scenario)
     speeds = jnp.abs(jax.vmap(scenario.speed_at)(times))
     fastest = jnp.argmax(speeds)
     speed = jnp.where(speeds[fastest] > 0, speeds[fastest], 1.0)
-    reduced = reduced_chain(mechanism, kinematics, inertia)
-    one = jnp.ones_like(speed)
-    problem = Problem(mechanism, kinematics, scenario, inertia, speed, one, reduced)
-    # Not exactly at the steady state, where a friction law may have a kink.
-    drive = drive_at(scenario, times[fastest])
-    carrier = 0.3 * drive.speed * jnp.ones_like(inertia)
-    slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, drive, w))(carrier)
-    fastest_rate = jnp.max(jnp.abs(jnp.diagonal(slopes)))
-    decays = fastest_rate * scenario.duration > 1.0
-    shortest = jnp.where(decays, 1 / jnp.where(decays, fastest_rate, 1.0), scenario.duration)
+    return speed, drive_at(scenario, times[fastest])
+
+
+#: A problem with a scenario and scales of speed and time.
+_Scaled = TypeVar("_Scaled", bound=ScaledProblem)
+
+
+def with_scales(
+    problem: _Scaled,
+    acceleration: Callable[[Float[Array, " speeds"]], Float[Array, " speeds"]],
+    speeds: Float[Array, " speeds"],
+) -> _Scaled:
+    """A problem with its scale of time, the shortest time constant at some speeds.
+
+    **Arguments:**
+
+    - `problem`: with its scale of speed.
+    - `acceleration`: rate of the speeds that are its states [rad/s²].
+    - `speeds`: near the steady state [rad/s].
+    """
+    slopes = jax.jacfwd(acceleration)(speeds)
+    rate, duration = jnp.max(jnp.abs(jnp.diagonal(slopes))), problem.scenario.duration
+    decays = rate * duration > 1.0
+    shortest = jnp.where(decays, 1 / jnp.where(decays, rate, 1.0), duration)
     # Scales affect the steps, not the solution: nothing is differentiated through them.
-    scales = (jax.lax.stop_gradient(speed), jax.lax.stop_gradient(shortest))
+    scales = (jax.lax.stop_gradient(problem.speed_scale), jax.lax.stop_gradient(shortest))
     return eqx.tree_at(lambda p: (p.speed_scale, p.time_scale), problem, scales)
 
 
-def times_of_scales(scenario: Scenario) -> Float[Array, " times"]:
+def sample_times(problem: ScaledProblem) -> Float[Array, " times"]:
+    """Sample times of a scene, both ends included [s]."""
+    scenario = problem.scenario
+    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.speed_scale.dtype)
+    return times * scenario.duration
+
+
+def _times_of_scales(scenario: Scenario) -> Float[Array, " times"]:
     """Times at which the highest speed of a scene is searched for [s].
 
     Equal intervals may all hit the standstills of a periodic speed; intervals of the golden ratio

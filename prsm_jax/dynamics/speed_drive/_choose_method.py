@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
 from ...fields import Scalar
 from ...mechanism import Mechanism, of_one_design
@@ -15,7 +14,7 @@ from ..forces import Scenario, bound_scenario
 from ..friction import has_bristles, with_resistance
 from ..solvers import MethodName
 from ..steady import all_kinematics
-from ._carrier_motion import Problem, carrier_problem, jumps_at_standstill, moves_nut
+from ._carrier_motion import Problem, carrier_problem, jumps_at_standstill, moves_nut, sample_times
 from ._closed_form import closed_form_history, settles_in_closed_form
 from ._quasi_steady import quasi_steady_at, quasi_steady_report
 from ._two_sides_transient import slides_on_both_sides
@@ -120,13 +119,6 @@ def chosen_method(
                 f"friction jumps at standstill of the screw; error {error:.1g}",
             )
     return MethodChoice("rosenbrock", "has to be integrated")
-
-
-def sample_times(problem: Problem) -> Float[Array, " times"]:
-    """Sample times of a scene, both ends included [s]."""
-    scenario = problem.scenario
-    times = jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.inertia.dtype)
-    return times * scenario.duration
 
 
 @one_program_where_possible

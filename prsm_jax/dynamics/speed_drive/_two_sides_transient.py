@@ -24,26 +24,43 @@ from ...mechanism import (
     Mechanism,
     Stage,
     body_inertia,
-    body_mass,
     mean_roller_inertia,
     mean_roller_mass,
 )
-from ...numerics import dot_few, over_samples, solve_small
+from ...numerics import dot_few, over_samples, root_or_zero, solve_small
 from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn
-from ..forces import Drive, Scenario, bound_scenario, drive_at, drive_once, screw_forces
+from ..forces import (
+    Drive,
+    Scenario,
+    bound_scenario,
+    drive_at,
+    drive_once,
+    held_mass,
+    screw_forces,
+)
 from ..friction import turned
-from ..histories import Settings, Transient, finite_row, integrated, transient_of
+from ..histories import (
+    Settings,
+    Transient,
+    finite_row,
+    integrated,
+    power_entries,
+    relative,
+    transient_of,
+)
 from ..solvers import DrivenRate
 from ..steady import (
     SideSlips,
     SlidingSide,
     all_kinematics,
     check_losses,
+    losses_of_both_sides,
     sliding_side,
     slips_of_both_sides,
+    torque_on_screw,
 )
-from ._carrier_motion import times_of_scales
+from ._carrier_motion import ScaledProblem, fastest_drive, sample_times, with_scales
 
 
 def slides_on_both_sides(mechanism: Mechanism) -> bool:
@@ -52,7 +69,10 @@ def slides_on_both_sides(mechanism: Mechanism) -> bool:
 
 
 class TwoSidesMasses(eqx.Module):
-    """Masses and inertias of a stage; those of nut and screw are 0 at a constant speed."""
+    """Masses and inertias of a stage; those of nut and screw are 0 at a constant speed.
+
+    The nut's holds the carriers.
+    """
 
     roller_mass: Scalar
     roller_inertia: Scalar
@@ -67,24 +87,17 @@ def _masses(stage: Stage, accelerates: bool) -> TwoSidesMasses:
     if stage.carrier is not None:
         carrier = stage.carrier.count * body_inertia(stage, "carrier")
     if accelerates:
-        nut, screw = body_mass(stage, "nut"), body_inertia(stage, "screw")
-        if stage.carrier is not None and stage.carrier.mass is not None:
-            nut = nut + stage.carrier.count * body_mass(stage, "carrier")
+        nut, screw = held_mass(stage), body_inertia(stage, "screw")
     return TwoSidesMasses(
         mean_roller_mass(stage) + zero, mean_roller_inertia(stage) + zero, carrier, nut, screw
     )
 
 
-class TwoSidesProblem(eqx.Module):
+class TwoSidesProblem(ScaledProblem):
     """Everything the equations of motion need."""
 
-    mechanism: Mechanism
-    kinematics: tuple[StageKinematics, ...]
-    scenario: Scenario
     masses: TwoSidesMasses
     slips: tuple[SideSlips, SideSlips]
-    speed_scale: Scalar
-    time_scale: Scalar
 
     @property
     def stage(self) -> Stage:
@@ -180,23 +193,12 @@ def two_sides_problem(
     (stage,), (geometry,) = mechanism.stages, kinematics
     check_losses(stage)
     masses = _masses(stage, callable(scenario.speed))
-    times = times_of_scales(scenario)
-    speeds = jnp.abs(jax.vmap(scenario.speed_at)(times))
-    fastest = jnp.argmax(speeds)
-    speed = jnp.where(speeds[fastest] > 0, speeds[fastest], 1.0)
+    speed, drive = fastest_drive(scenario)
     slips = slips_of_both_sides(stage, geometry)
-    problem = TwoSidesProblem(
-        mechanism, kinematics, scenario, masses, slips, speed, jnp.ones_like(speed)
-    )
-    drive = drive_at(scenario, times[fastest])
+    one = jnp.ones_like(speed)
+    problem = TwoSidesProblem(mechanism, kinematics, scenario, speed, one, masses, slips)
     beside = 0.8 * drive.speed * _ideal_ratios(stage)
-    slopes = jax.jacfwd(lambda w: _accelerations(problem, drive, w))(beside)
-    rate = jnp.max(jnp.abs(jnp.diagonal(slopes)))
-    decays = rate * scenario.duration > 1.0
-    shortest = jnp.where(decays, 1 / jnp.where(decays, rate, 1.0), scenario.duration)
-    # Scales affect the steps, not the solution: nothing is differentiated through them.
-    scales = (jax.lax.stop_gradient(speed), jax.lax.stop_gradient(shortest))
-    return eqx.tree_at(lambda p: (p.speed_scale, p.time_scale), problem, scales)
+    return with_scales(problem, lambda w: _accelerations(problem, drive, w), beside)
 
 
 def _ideal_ratios(stage: Stage) -> Float[Array, "2"]:
@@ -220,10 +222,7 @@ def two_sides_history(
     kinematics = all_kinematics(mechanism) if kinematics is None else kinematics
     problem = two_sides_problem(mechanism, kinematics, scenario)
     stage = problem.stage
-    times = (
-        jnp.linspace(0.0, 1.0, scenario.samples, dtype=problem.speed_scale.dtype)
-        * scenario.duration
-    )
+    times = sample_times(problem)
     begin = scenario.initial_carrier_ratio * scenario.speed_at(times[0]) / problem.speed_scale
     start = begin * jnp.stack([jnp.ones_like(begin), -stage.thread.rolling_ratio])
     ratios, report = integrated(
@@ -244,12 +243,28 @@ def two_sides_history(
     return transient_of(mechanism, kinematics, times, rows, report)
 
 
+def _kinetic_power(
+    problem: TwoSidesProblem, drive: Drive, speeds: Float[Array, "2"], rates: Float[Array, "2"]
+) -> Scalar:
+    """Rate of the kinetic energy of all bodies [W]."""
+    masses, thread = problem.masses, problem.stage.thread
+    carrier, count = speeds[0], problem.stage.present_roller_count
+    travel = thread.lead / (2 * jnp.pi)
+    turning = jnp.zeros_like(drive.speed) if drive.acceleration is None else drive.acceleration
+    rolling = masses.roller_inertia * (carrier + speeds[1]) * (rates[0] + rates[1])
+    circling = masses.roller_mass * thread.centre_distance**2 * carrier * rates[0]
+    advancing = masses.roller_mass * travel**2 * (carrier - drive.speed) * (rates[0] - turning)
+    carriers = masses.carrier_inertia * carrier * rates[0]
+    prescribed = (masses.nut_mass * travel**2 + masses.screw_inertia) * drive.speed * turning
+    return count * (rolling + circling + advancing) + carriers + prescribed
+
+
 def _row(problem: TwoSidesProblem, drive: Drive, speeds: Float[Array, "2"]) -> dict[str, Any]:
     """Entries of a `Transient` at one time."""
     stage, masses, (geometry,) = problem.stage, problem.masses, problem.kinematics
     thread, count = stage.thread, stage.present_roller_count
     speed, load, turning = drive.speed, drive.load, drive.acceleration
-    carrier, spin = speeds[0], speeds[1]
+    carrier = speeds[0]
     rates = _accelerations(problem, drive, speeds)
     at = _instant(problem, drive, speeds, rates)
     flank, meshing = at.flank, geometry.meshing
@@ -260,30 +275,13 @@ def _row(problem: TwoSidesProblem, drive: Drive, speeds: Float[Array, "2"]) -> d
         _arm(contact.contact_radius, contact.contact_angle_position)
         for contact in (meshing.screw, meshing.nut)
     ]
-    moment = -flank * count * _moment(arms[0], at.screw.on_roller)
+    moment = flank * torque_on_screw(geometry, count, at.screw)
     axial = -flank * count * at.screw.on_roller[2]
     screw = screw_forces(stage, moment, axial, speed, jnp.sign(speed), None, None, turning, None)
-    torque = screw.drive_torque
-    losses: dict[str, Scalar] = {}
-    if stage.thread_law is not None:
-        both = [dot_few(side.friction, side.slip) for side in (at.screw, at.nut)]
-        losses["thread_sliding"] = count * (both[0] + both[1])
-    if screw.bearing_torque is not None:
-        losses["thrust_bearing"] = screw.bearing_torque * speed
-    if screw.drag_torque is not None:
-        losses["drag"] = screw.drag_torque * speed
+    losses = losses_of_both_sides(stage, at.screw, at.nut, screw, speed)
+    kinetic = _kinetic_power(problem, drive, speeds, rates)
 
     distance = thread.centre_distance
-    rolling = masses.roller_inertia * (carrier + spin) * (rates[0] + rates[1])
-    circling = (masses.roller_mass * distance**2) * carrier * rates[0]
-    turn = zero if turning is None else turning
-    advancing = masses.roller_mass * travel**2 * (carrier - speed) * (rates[0] - turn)
-    kinetic = count * (rolling + circling + advancing) + masses.carrier_inertia * carrier * rates[0]
-    kinetic = kinetic + (masses.nut_mass * travel**2 + masses.screw_inertia) * speed * turn
-    drive_power, load_power = torque * speed, load * travel * speed
-    largest = jnp.maximum(jnp.maximum(jnp.abs(drive_power), jnp.abs(load_power)), jnp.abs(kinetic))
-    imbalance = drive_power - load_power - sum(losses.values()) - kinetic
-
     # Newton: moments about the roller's own axis, the force that pins have to add, and what that
     # does to the carriers.
     total = at.screw.on_roller + at.nut.on_roller
@@ -295,11 +293,6 @@ def _row(problem: TwoSidesProblem, drive: Drive, speeds: Float[Array, "2"]) -> d
     pin = jnp.stack([(inward - total[0]) / 2, (along - total[1]) / 2])
     carriers = 2 * count * distance * pin[1] + flank * masses.carrier_inertia * rates[0]
 
-    driving = speed * load >= 0
-    useful, spent = (
-        jnp.where(driving, load * travel, torque),
-        jnp.where(driving, torque, load * travel),
-    )
     moving = speed != 0
     force = at.screw.force
     stages = {
@@ -309,34 +302,28 @@ def _row(problem: TwoSidesProblem, drive: Drive, speeds: Float[Array, "2"]) -> d
         "contact_force": force,
         "screw_roller_axial_force": -force * meshing.screw.normal[2],
         "ring_gear_force": zero,
-        "carrier_force": jnp.sqrt(dot_few(pin, pin)),
+        "carrier_force": root_or_zero(dot_few(pin, pin)),
         "spline_friction": zero,
-        "stage_torque": torque,
+        "stage_torque": screw.drive_torque,
         "newton_residual": jnp.maximum(
-            jnp.abs(own) / jnp.maximum(force * thread.roller_radius, _LEAST_MOMENT),
-            jnp.abs(carriers) / jnp.maximum(count * force * distance, _LEAST_MOMENT),
+            relative(own, force * thread.roller_radius),
+            relative(carriers, count * force * distance),
         ),
         "slip_direction": turned(at.screw.direction, flank),
     }
     row = {
         **{name: value[None] for name, value in stages.items()},
+        **power_entries(
+            screw.drive_torque, load * travel, speed, load * travel * speed, losses, kinetic
+        ),
         "screw_speed": speed,
         "screw_acceleration": turning,
         "load": load,
-        "efficiency": jnp.where(spent != 0, useful / jnp.where(spent != 0, spent, 1.0), 0.0),
-        "drive_torque": torque,
-        "losses": losses,
-        "power_balance_residual": jnp.abs(imbalance) / jnp.where(largest > 0, largest, 1.0),
         "bristle_deflection": None,
         "bristle_power": None,
-        "load_power": load_power,
     }
     pulled = (force < 0) | (at.nut.force < 0)
     return {**row, "finite": finite_row(row), "pulled": pulled}
-
-
-#: Smallest moment that residuals are compared with [N·m].
-_LEAST_MOMENT = 1e-30
 
 
 def _arm(radius: Scalar, angle: Scalar) -> Float[Array, "2"]:

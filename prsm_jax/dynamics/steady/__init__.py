@@ -25,6 +25,8 @@ from ._two_sliding_sides import (
     SideSlips as SideSlips,
     SlidingSide as SlidingSide,
     check_losses as check_losses,
+    losses_of_both_sides as losses_of_both_sides,
     sliding_side as sliding_side,
     slips_of_both_sides as slips_of_both_sides,
+    torque_on_screw as torque_on_screw,
 )

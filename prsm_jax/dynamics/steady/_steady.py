@@ -11,7 +11,7 @@ from ...contact import load_of, speed_of
 from ...fields import In, Scalar
 from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, of_one_design
-from ...numerics import above_or_nan, apart, dot_few, length_few, sum_few
+from ...numerics import above_or_nan, apart, length_few, sum_few
 from ...programs import listed, one_program, physics
 from ...results import DesignResult, lines_of, outcome
 from ...text import Line
@@ -27,7 +27,12 @@ from ..forces import (
 )
 from ..friction import turned, with_resistance
 from ._carrier_balance import balanced_carrier_ratio
-from ._two_sliding_sides import pin_force, torque_on_screw, two_sliding_sides
+from ._two_sliding_sides import (
+    losses_of_both_sides,
+    pin_force,
+    torque_on_screw,
+    two_sliding_sides,
+)
 
 #: Load in place of 0, too small to change anything but ratios: efficiency is then its limit [N].
 _NO_LOAD = 1e-30
@@ -320,14 +325,7 @@ def _of_two_sides(
     sides = two_sliding_sides(stage, geometry, flank * speed, flank * sense, flank * load)
     moment = flank * torque_on_screw(geometry, count, sides.screw)
     screw = screw_forces(stage, moment, load, speed, sense, None, None, None, None)
-    powers: dict[str, Scalar] = {}
-    if stage.thread_law is not None:
-        both = [dot_few(side.friction, side.slip) for side in (sides.screw, sides.nut)]
-        powers["thread_sliding"] = count * (both[0] + both[1])
-    if screw.bearing_torque is not None:
-        powers["thrust_bearing"] = screw.bearing_torque * speed
-    if screw.drag_torque is not None:
-        powers["drag"] = screw.drag_torque * speed
+    powers = losses_of_both_sides(stage, sides.screw, sides.nut, screw, speed)
     zero, force = jnp.zeros_like(load), sides.screw.force
     rows = {
         "contact_force": force,

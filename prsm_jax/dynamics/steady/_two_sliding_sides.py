@@ -26,6 +26,7 @@ from ...mechanism import Stage, mean_roller_mass
 from ...numerics import dot_few, length_few, root_or_zero
 from ...programs import physics
 from .._kinematics import StageKinematics
+from ..forces import ScrewForces
 from ..friction import has_contact_losses, slip_direction, thread_friction
 from ._root_search import find_roots_and
 
@@ -175,6 +176,21 @@ def torque_on_screw(kinematics: StageKinematics, count: Scalar | int, side: Slid
     angle = contact.contact_angle_position
     arm = contact.contact_radius * jnp.stack([-jnp.sin(angle), jnp.cos(angle)])
     return -count * dot_few(arm, side.on_roller[:2])
+
+
+def losses_of_both_sides(
+    stage: Stage, screw: SlidingSide, nut: SlidingSide, forces: ScrewForces, speed: Scalar
+) -> dict[str, Scalar]:
+    """Power of every modelled loss by name, at a screw speed [W]."""
+    powers: dict[str, Scalar] = {}
+    if stage.thread_law is not None:
+        both = [dot_few(side.friction, side.slip) for side in (screw, nut)]
+        powers["thread_sliding"] = stage.present_roller_count * (both[0] + both[1])
+    if forces.bearing_torque is not None:
+        powers["thrust_bearing"] = forces.bearing_torque * speed
+    if forces.drag_torque is not None:
+        powers["drag"] = forces.drag_torque * speed
+    return powers
 
 
 def pin_force(stage: Stage, sides: TwoSides, speed: Scalar) -> Scalar:

@@ -15,7 +15,7 @@ import pytest
 import scipy.integrate
 from present import present
 from scenes import Swing, array, mesh, simulate, steady_state
-from type_motion import mechanism, slips_of
+from type_motion import mechanism, reversal, slips_of, with_law
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import axial_inertia, carrier_inertia
@@ -155,15 +155,10 @@ def test_losses_inside_the_ellipses_and_both_flanks(load):
 
 
 def test_reversal_with_friction_that_is_smooth_at_standstill():
-    (stage,) = _one().stages
-    law = RegularisedCoulombFriction(FRICTION, 1e-3)
-    friction = dataclasses.replace(present(stage.friction), thread=law)
-    one = dataclasses.replace(_one(), stages=(dataclasses.replace(stage, friction=friction),))
-    speed = Swing(array(0.0), array(100.0), array(50.0))
-    run = simulate(one, prsm.Scenario(speed, LOAD, 20e-3, samples=101))
-    assert float(jnp.max(run.power_balance_residual)) < 1e-8
-    # The load creeps through: at standstill the nut moves against it or with it, never by itself.
-    assert np.all(np.isfinite(np.asarray(run.carrier_speed)))
+    one = with_law(_one(), RegularisedCoulombFriction(FRICTION, 1e-3))
+    run = simulate(one, reversal(LOAD))
+    assert float(jnp.max(run.power_balance_residual)) < 1e-10
+    assert run.solver.name == "RODASP"
 
 
 def test_derivatives_are_central_differences():
@@ -195,10 +190,7 @@ def test_what_is_not_known_is_refused():
         prsm.simulate(one, torque)
     with pytest.raises(ValueError, match=r"'quasi_steady' is not for type = .differential"):
         prsm.simulate(one, prsm.Scenario(MEAN, LOAD, 1e-3), method="quasi_steady")
-    (stage,) = one.stages
-    law = LuGreFriction(0.08, 0.06, 0.1, 1e7, 10.0)
-    friction = dataclasses.replace(present(stage.friction), thread=law)
-    lugre = dataclasses.replace(one, stages=(dataclasses.replace(stage, friction=friction),))
+    lugre = with_law(one, LuGreFriction(0.08, 0.06, 0.1, 1e7, 10.0))
     with pytest.raises(prsm.MissingDataError, match="LuGre friction of the threads is not known"):
         prsm.simulate(lugre, prsm.Scenario(MEAN, LOAD, 1e-3))
     # Other types hold none of it.

@@ -15,11 +15,11 @@ import pytest
 import scipy.integrate
 from present import present
 from scenes import Swing, array, mesh, simulate, steady_state
-from type_motion import mechanism, slips_of
+from type_motion import mechanism, reversal, slips_of, with_law
 
 import prsm_jax as prsm
 from prsm_jax.friction import LuGreFriction, RegularisedCoulombFriction
-from prsm_jax.mechanism import body_inertia, body_mass
+from prsm_jax.mechanism import Carrier, body_inertia, body_mass
 
 MEAN, SWING, RATE, LOAD, FRICTION = 100.0, 60.0, 900.0, 5e3, 0.06
 KIND = "recirculating"
@@ -131,9 +131,15 @@ def test_it_settles_to_the_steady_state(load):
 
 def test_bearing_drag_and_screw_inertia_add_to_the_torque():
     """The torque beside that of the threads: μ r F, drag, and J Ω̇ of the screw."""
-    full = mechanism(KIND, friction=FRICTION)
+    full, bare_one = mechanism(KIND, friction=FRICTION), _one()
+    # Carriers whose mass follows from their dimensions: they move along the axis with the nut.
+    carrier = Carrier(inertia=1e-6, length=5e-3, radial_width=3e-3)
+    full, bare_one = (
+        dataclasses.replace(m, stages=(dataclasses.replace(m.stages[0], carrier=carrier),))
+        for m in (full, bare_one)
+    )
     scenario = prsm.Scenario(_speed(), LOAD, 1e-3, initial_carrier_ratio=0.3, samples=21)
-    with_losses, bare = (simulate(one, scenario, method="rosenbrock") for one in (full, _one()))
+    with_losses, bare = (simulate(one, scenario, method="rosenbrock") for one in (full, bare_one))
     assert float(jnp.max(with_losses.power_balance_residual)) < 1e-12
     (stage,) = full.stages
     friction, rate = present(stage.friction), np.asarray(bare.screw_acceleration)
@@ -141,7 +147,8 @@ def test_bearing_drag_and_screw_inertia_add_to_the_torque():
     # The thrust bearing carries the load and what accelerates nut and rollers.
     rollers = stage.roller_count * float(body_mass(stage, "roller"))
     carrier = np.asarray(bare.carrier_acceleration)[0]
-    thrust = LOAD + float(body_mass(stage, "nut")) * reduced * rate
+    moved = float(body_mass(stage, "nut")) + 2 * float(body_mass(stage, "carrier"))
+    thrust = LOAD + moved * reduced * rate
     thrust = thrust - rollers * reduced * (carrier - rate)
     bearing = present(friction.thrust_bearing)
     expected = float(present(bearing.coefficient)) * float(present(bearing.radius)) * thrust
@@ -151,12 +158,8 @@ def test_bearing_drag_and_screw_inertia_add_to_the_torque():
 
 
 def test_reversal_with_friction_that_is_smooth_at_standstill():
-    (stage,) = _one().stages
-    law = RegularisedCoulombFriction(FRICTION, 1e-3)
-    friction = dataclasses.replace(present(stage.friction), thread=law)
-    one = dataclasses.replace(_one(), stages=(dataclasses.replace(stage, friction=friction),))
-    speed = Swing(array(0.0), array(100.0), array(50.0))
-    run = simulate(one, prsm.Scenario(speed, LOAD, 20e-3, samples=101))
+    one = with_law(_one(), RegularisedCoulombFriction(FRICTION, 1e-3))
+    run = simulate(one, reversal(LOAD))
     assert float(jnp.max(run.power_balance_residual)) < 1e-10
     assert run.solver.name == "RODASP"
 
@@ -191,11 +194,7 @@ def test_what_is_not_known_is_refused_and_others_hold_none_of_it():
     with pytest.raises(ValueError, match=r"'closed_form' is not for type = .recirculating"):
         prsm.simulate(one, scenario, method="closed_form")
     assert prsm.dynamics.choose_method(one, scenario).method == "rosenbrock"
-    (stage,) = one.stages
-    friction = dataclasses.replace(
-        present(stage.friction), thread=LuGreFriction(0.08, 0.06, 0.1, 1e7, 10.0)
-    )
-    lugre = dataclasses.replace(one, stages=(dataclasses.replace(stage, friction=friction),))
+    lugre = with_law(one, LuGreFriction(0.08, 0.06, 0.1, 1e7, 10.0))
     with pytest.raises(prsm.MissingDataError, match="LuGre friction of the threads is not known"):
         prsm.simulate(lugre, scenario)
     for kind, holds in (("standard", False), (KIND, True)):

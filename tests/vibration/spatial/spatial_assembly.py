@@ -168,6 +168,22 @@ def assembled(stage, standstill=False):
     return assembly
 
 
+def assert_assembled(network, assembly, stage):
+    """The matrices of a network against those of an assembly from vectors.
+
+    Returns the stiffness of both, and the mass matrix of the assembly.
+    """
+    change = from_assembly(assembly, stage, network.coordinates)
+    rows = np.stack([np.pad(row, (0, assembly.size - len(row))) for row in assembly.rows])
+    expected = change.T @ (rows.T @ (np.array(assembly.stiffness)[:, None] * rows)) @ change
+    found = np.asarray(network.stiffness_matrix())
+    # Sums of a few tens of doubles; the contact comes from a root found to about 1e-15.
+    assert np.abs(found - expected).max() < 1e-13 * np.abs(expected).max()
+    masses = change.T @ (np.array(assembly.masses, float)[:, None] * change)
+    np.testing.assert_allclose(np.diag(np.asarray(network.mass)), masses, rtol=1e-14, atol=1e-17)
+    return found, expected, masses
+
+
 def turning_radius(stage):
     """r of u = r θ of the motor's rotor."""
     thread = stage.thread

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from present import present
 from scenes import example
-from spatial_assembly import assembled, from_assembly
+from spatial_assembly import assembled, assert_assembled
 from spatial_scenes import THREADS, frequencies_of, modes_of, network_of, number, system_of
 from test_analytic_types_in_space import free, held
 
@@ -85,25 +85,14 @@ def _assembled(stage):
     return assembly
 
 
-def _matrices(assembly, stage, coordinates):
-    change = from_assembly(assembly, stage, coordinates)
-    rows = np.stack([np.pad(row, (0, assembly.size - len(row))) for row in assembly.rows])
-    stiffness = change.T @ (rows.T @ (np.array(assembly.stiffness)[:, None] * rows)) @ change
-    return stiffness, np.diag(change.T @ (np.array(assembly.masses, float)[:, None] * change))
-
-
 def test_matrices_are_those_of_an_assembly_from_vectors():
     stage = _stage(carriers_held=True)
     system = system_of(stage, THREADS, axis=AXIS)
     network = network_of(system)
-    expected, mass = _matrices(_assembled(stage), stage, network.coordinates)
-    found = np.asarray(network.stiffness_matrix())
-    # Sums of a few tens of doubles; the contact comes from a root found to about 1e-15.
-    assert np.abs(found - expected).max() < 1e-13 * np.abs(expected).max()
+    found, expected, _ = assert_assembled(network, _assembled(stage), stage)
     for name in ("motor u", "load z", "screw_end z", "screw_end u"):
         at = network.index(name)
         np.testing.assert_allclose(found[at], expected[at], rtol=1e-13, atol=1e-13 * found[at, at])
-    np.testing.assert_allclose(np.asarray(network.mass), mass, rtol=1e-14)
     whole = frequencies_of(network.stiffness, network.rows, network.mass)
     # LAPACK's singular values have an error of 1e-15 of the largest one.
     np.testing.assert_allclose(
@@ -121,7 +110,7 @@ def mechanism():
 def test_static_stiffness_is_the_inverse_of_the_assembly(mechanism):
     stage = mechanism.stages[0]
     network = network_of(system_of(stage, THREADS, axis=AXIS))
-    stiffness, _ = _matrices(_assembled(stage), stage, network.coordinates)
+    _, stiffness, _ = assert_assembled(network, _assembled(stage), stage)
     load, rotor = network.index("load z"), network.index("motor u")
 
     def at_the_load(kept):

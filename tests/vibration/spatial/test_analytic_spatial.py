@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from present import present
 from scenes import example
-from spatial_assembly import assembled, from_assembly
+from spatial_assembly import assembled, assert_assembled
 from spatial_scenes import (
     THREADS,
     free_stage,
@@ -31,15 +31,7 @@ from prsm_jax.vibration.spatial import contact_spring, tangential_ratio
 def test_matrices_are_those_of_an_assembly_from_vectors(count):
     stage = held_stage(count)
     network = network_of(held_system(count))
-    assembly = assembled(stage)
-    change = from_assembly(assembly, stage, network.coordinates)
-    rows = np.array(assembly.rows)
-    expected = change.T @ (rows.T @ (np.array(assembly.stiffness)[:, None] * rows)) @ change
-    stiffness = np.asarray(network.stiffness_matrix())
-    # Sums of a few tens of doubles; the contact comes from a root found to about 1e-15.
-    assert np.abs(stiffness - expected).max() < 1e-13 * np.abs(expected).max()
-    masses = change.T @ (np.array(assembly.masses)[:, None] * change)
-    np.testing.assert_allclose(np.diag(np.asarray(network.mass)), masses, rtol=1e-14, atol=1e-17)
+    assert_assembled(network, assembled(stage), stage)
 
 
 @pytest.mark.parametrize("count", [3, 5, 8])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from present import present
 from scenes import example
-from spatial_assembly import assembled, from_assembly
+from spatial_assembly import assembled, assert_assembled
 from spatial_scenes import THREADS, frequencies_of, modes_of, network_of, number, system_of
 
 import prsm_jax as prsm
@@ -67,15 +67,7 @@ def test_matrices_are_those_of_an_assembly_from_vectors(kind, standstill):
     stage = held(kind)
     system = system_of(stage, THREADS, standstill=standstill)
     network = network_of(system)
-    assembly = assembled(stage, standstill)
-    change = from_assembly(assembly, stage, network.coordinates)
-    rows = np.array(assembly.rows)
-    expected = change.T @ (rows.T @ (np.array(assembly.stiffness)[:, None] * rows)) @ change
-    stiffness = np.asarray(network.stiffness_matrix())
-    # Sums of a few tens of doubles; the contact comes from a root found to about 1e-15.
-    assert np.abs(stiffness - expected).max() < 1e-13 * np.abs(expected).max()
-    masses = change.T @ (np.array(assembly.masses)[:, None] * change)
-    np.testing.assert_allclose(np.diag(np.asarray(network.mass)), masses, rtol=1e-14, atol=1e-17)
+    assert_assembled(network, assembled(stage, standstill), stage)
     whole = frequencies_of(network.stiffness, network.rows, network.mass)
     # LAPACK's singular values have an error of about 1e-15 of the largest one, which is about a
     # thousand times the smallest one.
