@@ -28,7 +28,7 @@ from ..forces import (
     stored_power,
 )
 from ..friction import turned
-from ..steady import jamming_margin, steady_meaning
+from ..steady import jams, steady_meaning
 from ._power_entries import power_entries, relative
 
 _MEANINGS = (
@@ -344,11 +344,8 @@ def transient_of(
     }
     # The steps may have run out, or the rollers may be at rest, before a sample shows the jam.
     fastest, largest_load = (jnp.max(jnp.abs(entries[name])) for name in ("screw_speed", "load"))
-    jammed = pulled
-    families = [stage.thread.family for stage in mechanism.stages]
-    if all(one.lead_is_fixed and one.carrying is not None for one in families):
-        margin = jamming_margin(mechanism, kinematics, fastest, largest_load)
-        jammed = jammed | ((report.code != 0) & (margin <= 0))
+    locks = jams(mechanism, kinematics, fastest, largest_load)
+    jammed = pulled | ((report.code != 0) & locks)
     code = jnp.where(jammed, _JAMMED, report.code)
     code = code_of_finite(code, finite)
     fit = jnp.stack([rollers_fit(stage) for stage in mechanism.stages]).all()

@@ -9,6 +9,7 @@ from ._locking import (
     friction_needs_load as friction_needs_load,
     jamming_coefficient as jamming_coefficient,
     jamming_margin as jamming_margin,
+    jams as jams,
     locking_coefficient as locking_coefficient,
     self_locking_margin as self_locking_margin,
 )

@@ -24,7 +24,7 @@ from ...programs import physics
 from .._kinematics import StageKinematics, travel_per_turn
 from ..friction import law_inputs_of, slip_direction, thread_friction, with_resistance
 from ._carrier_balance import free_slip, slip_per_turn
-from ._steady import SteadyState, some_load, steady_state
+from ._steady import JAMMED, SteadyState, some_load, steady_state
 
 
 def _unit(kinematics: StageKinematics):
@@ -108,6 +108,22 @@ def jamming_margin(
         friction = _effective_coefficient(stage, geometry, speed, load)
         margins.append(1 - friction / jamming_coefficient(geometry))
     return functools.reduce(jnp.minimum, margins)
+
+
+def jams(
+    mechanism: Mechanism, kinematics: tuple[StageKinematics, ...], speed: Scalar, load: Scalar
+) -> Bool[Array, ""]:
+    """Whether the driving screw jams at a speed and under a load.
+
+    By the margin; rollers without lead have none, and there the steady state tells.
+    """
+    laws = [stage.thread_law for stage in mechanism.stages]
+    families = [stage.thread.family for stage in mechanism.stages]
+    if all(one.lead_is_fixed and one.carrying is not None for one in families):
+        return jamming_margin(mechanism, kinematics, speed, load) <= 0
+    if any(law is None for law in laws):
+        return jnp.asarray(False)
+    return steady_state(mechanism, speed, load, kinematics).code == JAMMED
 
 
 def _scaled(mechanism: Mechanism, factor: Scalar) -> Mechanism:

@@ -68,7 +68,7 @@ STEADY_RESULTS = (
     "overlapping_rollers",
     "not_finite",
 )
-_JAMMED, _IMPOSSIBLE, _OVERLAPPING, _NOT_FINITE = 2, 5, 6, 7
+JAMMED, _IMPOSSIBLE, _OVERLAPPING, _NOT_FINITE = 2, 5, 6, 7
 
 
 def steady_meaning(name: str) -> str:
@@ -388,6 +388,6 @@ def _marked(state: SteadyState) -> SteadyState:
     numbers = [x for x in jax.tree.leaves(state) if jnp.issubdtype(x.dtype, jnp.inexact)]
     # 0 times NaN or infinity is NaN.
     finite = jnp.isfinite(sum(sum_few(0.0 * jnp.ravel(x)) for x in numbers))
-    unexplained = (state.code <= _JAMMED) & ~finite
+    unexplained = (state.code <= JAMMED) & ~finite
     code = jnp.where(unexplained, _NOT_FINITE, state.code)
     return dataclasses.replace(state, valid=state.valid & finite, code=code)

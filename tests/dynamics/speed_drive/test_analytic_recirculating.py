@@ -164,6 +164,15 @@ def test_reversal_with_friction_that_is_smooth_at_standstill():
     assert run.solver.name == "RODASP"
 
 
+def test_a_screw_that_jams_says_so():
+    """Beyond a coefficient of about 1 the axial balance needs a contact that pulls."""
+    for friction, name in ((0.8, "successful"), (1.2, "jammed")):
+        one = mechanism(KIND, friction=friction, extra=False)
+        run = prsm.simulate(one, prsm.Scenario(MEAN, LOAD, 1e-3, samples=9), throw=False)
+        assert run.solver.result.startswith(name)
+        assert steady_state(one, MEAN, LOAD).result_name == name
+
+
 def test_derivatives_are_central_differences():
     (stage,) = _one().stages
 
