@@ -11,8 +11,11 @@ from .problem import UPPER, Size
 from .search import Found, rank, search
 from .tasks import Task, evaluation_of, tasks_of
 
-#: A number of rollers nearer to a whole one than this is whole.
-_WHOLE = 1e-6
+#: A number of rollers this near to a whole one differs from it by the rounding of the unit box.
+_WHOLE = 1e-12
+#: One this near is an end of SLSQP at its bound. It is searched again with the whole number: the
+#: measures of 13.9999999 rollers are not those of 14.
+_NEARLY_WHOLE = 1e-6
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,14 +52,13 @@ def solve(sizes: Sequence[Size], loss: float, flattest: float = UPPER[1]) -> Bat
     tasks, starts = tasks_of(sizes, loss, flattest)
     built = time.perf_counter()
     ends, evaluations, calls = _ends(tasks)
-    divided = [
-        one.task.with_rollers(count)
-        for one in ends
-        if abs(one.variables[3] - round(one.variables[3])) > _WHOLE
-        for count in (np.floor(one.variables[3]), np.ceil(one.variables[3]))
-    ]
     # A relaxed number of rollers is replaced by the whole ones beside it.
-    ends = [one for one in ends if abs(one.variables[3] - round(one.variables[3])) <= _WHOLE]
+    divided = [
+        one.task.with_rollers(count, one.variables)
+        for one in ends
+        for count in whole_beside(one.variables[3])
+    ]
+    ends = [one for one in ends if not whole_beside(one.variables[3])]
     if divided:
         more, again, further = _ends(divided)
         ends, evaluations, calls = ends + more, evaluations + again, calls + further
@@ -67,8 +69,18 @@ def solve(sizes: Sequence[Size], loss: float, flattest: float = UPPER[1]) -> Bat
     return Batch(found, starts, evaluations + len(sizes), calls, seconds, built - begin)
 
 
+def whole_beside(count: float) -> tuple[float, ...]:
+    """Whole numbers of rollers to search again with; none where a number is whole itself."""
+    nearest = float(np.round(count))
+    if abs(count - nearest) <= _WHOLE:
+        return ()
+    if abs(count - nearest) <= _NEARLY_WHOLE:
+        return (nearest,)
+    return float(np.floor(count)), float(np.ceil(count))
+
+
 def _ends(tasks: Sequence[Task]) -> tuple[list[Found], int, int]:
-    starts = np.stack([task.unit(task.own) for task in tasks])
+    starts = np.stack([task.unit(task.first) for task in tasks])
     ends, shared = searched_together(
         lambda index, ask: search(tasks[index], ask), evaluation_of(tasks), starts
     )

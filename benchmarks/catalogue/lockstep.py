@@ -80,5 +80,7 @@ def searched_together(
             shared.leave()
 
     with ThreadPoolExecutor(max_workers=len(positions)) as pool:
-        results = list(pool.map(run, range(len(positions))))
-    return results, shared
+        # `pool.map` would cancel searches that have not begun when one fails; the others would then
+        # wait for them for ever.
+        searches = [pool.submit(run, index) for index in range(len(positions))]
+    return [one.result() for one in searches], shared

@@ -13,7 +13,7 @@ import numpy as np
 from .problem import MEASURES, OBJECTIVES, SIGNS, VARIABLES
 from .tasks import Task
 
-#: Searches begin at the size's own values, and in the unit box here, with one roller less.
+#: Searches begin at the task's first values, and in the unit box here, with one roller less.
 _SECOND_START = (0.4, 0.2, 0.8)
 #: Tolerance of SLSQP, for t and for the sum of violated constraints.
 _TOLERANCE = 1e-9
@@ -79,7 +79,7 @@ def search(task: Task, ask: Callable[[np.ndarray], tuple[np.ndarray, ...]]) -> F
         )
         return _judged(task, found.x[:-1], at(found.x), box)
 
-    starts = task.unit(task.own) * box, np.append(_SECOND_START, fewer)
+    starts = task.unit(task.first) * box, np.append(_SECOND_START, fewer)
     best = max((ended(start) for start in starts), key=rank)
     for aside in _ASIDE:
         # In a corner of many limits SLSQP may stop early. It starts again a little beside its end,

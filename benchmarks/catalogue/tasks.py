@@ -37,11 +37,13 @@ class Task:
     lower: np.ndarray
     upper: np.ndarray
     limits: np.ndarray
+    #: Contact angle and ratios of radii and lengths where the search begins; the size's own.
+    begin: tuple[float, float, float] = (np.pi / 4, 1.0, 1.0)
 
     @property
-    def own(self) -> np.ndarray:
-        """The size's own values of the variables; as many rollers as fit."""
-        return np.array([np.pi / 4, 1.0, 1.0, self.upper[3]])
+    def first(self) -> np.ndarray:
+        """Values of the variables where the search begins, with as many rollers as fit."""
+        return np.array([*self.begin, self.upper[3]])
 
     def unit(self, variables: np.ndarray) -> np.ndarray:
         """Position in the unit box."""
@@ -52,10 +54,12 @@ class Task:
         """Values of the variables at a position in the unit box."""
         return self.lower + (self.upper - self.lower) * position
 
-    def with_rollers(self, count: float) -> "Task":
-        """The same with a fixed number of rollers."""
-        ends = (np.append(end[:3], count) for end in (self.lower, self.upper))
-        return dataclasses.replace(self, lower=next(ends), upper=next(ends))
+    def with_rollers(self, count: float, near: np.ndarray) -> "Task":
+        """The same with a fixed number of rollers, begun at values of the variables."""
+        lower, upper = (np.append(end[:3], count) for end in (self.lower, self.upper))
+        angle, profile_ratio, length_ratio, _ = (float(one) for one in near)
+        begin = (angle, profile_ratio, length_ratio)
+        return dataclasses.replace(self, lower=lower, upper=upper, begin=begin)
 
 
 def stacked(mechanisms: Sequence[Mechanism]) -> Mechanism:

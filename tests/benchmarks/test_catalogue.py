@@ -1,7 +1,11 @@
 """The benchmark of the catalogue: its problem, its batch, and its page against its own data."""
 
+import functools
 import json
 import math
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +16,8 @@ import numpy as np
 import pytest
 
 import prsm_jax as prsm
-from benchmarks.catalogue import command
-from benchmarks.catalogue.batched import solve
+from benchmarks.catalogue import command, lockstep
+from benchmarks.catalogue.batched import solve, whole_beside
 from benchmarks.catalogue.checked import design_of
 from benchmarks.catalogue.lockstep import searched_together
 from benchmarks.catalogue.page import page_of
@@ -31,7 +35,7 @@ from benchmarks.catalogue.problem import (
     varied,
 )
 from benchmarks.catalogue.rival import decoded, encoded_start
-from benchmarks.catalogue.tasks import measured_together, stacked
+from benchmarks.catalogue.tasks import measured_together, stacked, tasks_of
 
 DOCS = Path(__file__).parents[2] / "docs"
 #: Index of each size by its name.
@@ -69,10 +73,19 @@ def test_a_failed_evaluation_ends_all_searches():
         searched_together(lambda _, ask: ask(np.zeros(1)), answer, np.zeros((3, 1)))
 
 
-def test_a_search_that_fails_does_not_hold_up_the_others():
+def test_a_search_that_fails_does_not_hold_up_the_others(monkeypatch):
+    """Not even where one of them has not begun when it fails."""
+    early, asked = threading.Semaphore(2), threading.Event()
+    late = functools.partial(
+        ThreadPoolExecutor, initializer=lambda: early.acquire(blocking=False) or time.sleep(0.2)
+    )
+    monkeypatch.setattr(lockstep, "ThreadPoolExecutor", late)
+
     def search(index, ask):
         if index == 0:
+            asked.wait()
             raise ValueError("one search")
+        asked.set()
         return ask(np.ones(1))
 
     with pytest.raises(ValueError, match="one search"):
@@ -134,6 +147,23 @@ def test_the_rival_has_the_same_design_space():
 def _numbers(mechanism):
     values = prsm.compute(mechanism, MEASURES)
     return {name: float(jnp.sum(value)) for name, value in values.items()}
+
+
+@pytest.mark.parametrize(
+    ("count", "expected"),
+    [(14.0, ()), (14 - 4e-15, ()), (14 - 3e-7, (14.0,)), (12.3, (12.0, 13.0))],
+)
+def test_numbers_of_rollers_to_search_again_with(count, expected):
+    assert whole_beside(count) == expected
+
+
+def test_a_search_with_whole_rollers_begins_at_the_end_before_it():
+    tasks, _ = tasks_of([SIZES["68 x 12, 6 starts"]], 0.0)
+    near = np.array([0.79, 1.9, 0.93, 13.9999997])
+    again = tasks[0].with_rollers(14.0, near)
+    np.testing.assert_array_equal(again.first, [0.79, 1.9, 0.93, 14.0])
+    assert again.lower[3] == again.upper[3] == 14.0
+    np.testing.assert_allclose(again.physical(again.unit(again.first)), again.first, rtol=1e-15)
 
 
 def test_two_sizes_are_improved_and_feasible():
