@@ -48,6 +48,7 @@ from .derived import (
     stage_mass as stage_mass,
     thread_heights as thread_heights,
     thread_section as thread_section,
+    tilting_inertia as tilting_inertia,
 )
 from .parameters import (
     DESIGN_VARIABLES as DESIGN_VARIABLES,

@@ -9,6 +9,7 @@ from ._masses import (
     nut_outer_radius as nut_outer_radius,
     nut_unit_mass as nut_unit_mass,
     stage_mass as stage_mass,
+    tilting_inertia as tilting_inertia,
 )
 from ._possible import numbers_possible as numbers_possible
 from ._sections import screw_root_radius as screw_root_radius, screw_section as screw_section

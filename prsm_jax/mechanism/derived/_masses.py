@@ -138,6 +138,26 @@ def body_inertia(stage: Stage, body: str) -> Scalar:
     return body_mass(stage, body) * (outer**2 + inner**2) / 2
 
 
+def tilting_inertia(stage: Stage, body: str) -> Scalar:
+    """Moment of inertia of screw, roller or nut about a diameter through its middle [kg·m²].
+
+    `J/2 + m l²/12` of a body of uniform section, with its moment of inertia J about the axis, mass
+    m and length l.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `body`: `"screw"`, `"roller"` or `"nut"`.
+
+    **Raises:** `MissingDataError` if the body is absent or its data are incomplete.
+    """
+    inertia, mass = body_inertia(stage, body), body_mass(stage, body)
+    length = getattr(stage, body).length
+    if length is None:
+        raise MissingDataError(f"the tilt of the {body} needs its length; give stage.{body}.length")
+    return inertia / 2 + mass * length**2 / 12
+
+
 def _mean(stage: Stage, nominal: Scalar) -> Scalar:
     total = total_factor(stage.unequal_roller, stage.roller_count, "mass_factor")
     return nominal if isinstance(total, int) else nominal * (total / stage.present_roller_count)

@@ -42,6 +42,9 @@ class Support(Limited):
     axial_stiffness: OptionalNumber = optional_number(
         "N/m", "axial stiffness: of the screw's thrust bearing, or of the nut's mounting"
     )
+    tilting_stiffness: OptionalNumber = optional_number(
+        "N·m/rad", "moment per tilt about x or y at the middle of the nut, where bodies tilt"
+    )
 
     def __check_init__(self) -> None:
         if self.radial_stiffness_y is not None and self.radial_stiffness is None:
@@ -89,6 +92,11 @@ class Roller(Limited):
             raise ValueError(
                 "roller.support has torsional_stiffness, but a roller turns freely on its pins; "
                 "remove it"
+            )
+        if self.support.tilting_stiffness is not None:
+            raise ValueError(
+                "roller.support has tilting_stiffness, but the pins at both ends of a roller hold "
+                "it against a tilt; give radial_stiffness alone"
             )
         if self.support.radial_stiffness_y is not None:
             raise ValueError(

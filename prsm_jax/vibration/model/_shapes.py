@@ -69,10 +69,12 @@ def expanded_shapes(
     def of_body(body: str, direction: str) -> Float[Array, "modes multiplicity"] | None:
         if harmonic == 0 and Coordinate(body, direction) in amplitudes:
             return jnp.real(amplitudes[Coordinate(body, direction)])[:, None]
-        if harmonic == 1 and direction in ("x", "y") and Coordinate(body, "w") in amplitudes:
+        kind, at = direction[:-1], direction[-1]
+        whole = Coordinate(body, f"{kind}w")
+        if harmonic == 1 and at in ("x", "y") and whole in amplitudes:
             # w = i (x − i y), so x is the imaginary part of w and y the real one.
-            which = int(direction == "x")
-            parts = [parts[which] for parts in pair(amplitudes[Coordinate(body, "w")])]
+            which = int(at == "x")
+            parts = [parts[which] for parts in pair(amplitudes[whole])]
             return jnp.stack(parts, axis=-1)
         return None
 

@@ -21,6 +21,10 @@ class SpatialBody(eqx.Module):
     #: itself is fixed to another one in z.
     axial_mass: Scalar | None = None
     axial_support: Scalar | None = None
+    #: Of tilts about x and y, moment of inertia and stiffness over r² [kg, N/m]; `None` if the body
+    #: does not tilt by itself.
+    tilt_mass: Scalar | None = None
+    tilt_support: Scalar | None = None
 
 
 def nominal_radius(thread: Thread, side: Side) -> Scalar:

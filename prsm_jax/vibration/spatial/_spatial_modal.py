@@ -20,6 +20,7 @@ def stage_spatial_system(
     sticking: bool = True,
     standstill: bool = False,
     motor_held: bool = False,
+    tilt: bool = False,
 ) -> SpatialSystem:
     """Masses and springs in space of one stage of a mechanism, and of the axis around it.
 
@@ -40,6 +41,7 @@ def stage_spatial_system(
         standstill=standstill,
         axis=mechanism.axis,
         motor_held=motor_held,
+        tilt=tilt,
     )
 
 
@@ -55,6 +57,7 @@ def spatial_modal(
     standstill: bool = False,
     shapes: bool = False,
     motor_held: bool = False,
+    tilt: bool = False,
 ) -> SpatialModes:
     """Natural frequencies and families of one stage whose bodies move in space.
 
@@ -85,12 +88,20 @@ def spatial_modal(
     - `shapes`: also give mass-normalised mode shapes and energy shares.
     - `motor_held`: whether the rotor of the axis' motor does not turn. The frequencies of the group
       `axial_torsional` are then the anti-resonances at the motor.
+    - `tilt`: whether screw, nut and rollers also tilt (see `spatial_system`); needs their lengths,
+      and the number of engaged threads.
 
     **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that does not
-    exist, fewer than 3 or unequal rollers, supports that differ in x and y, and a motor that is to
-    be held and does not exist.
+    exist, fewer than 3 or unequal rollers, supports that differ in x and y, a motor that is to be
+    held and does not exist, and tilt with carriers other than two.
     """
     system = stage_spatial_system(
-        mechanism, stage, load, sticking=sticking, standstill=standstill, motor_held=motor_held
+        mechanism,
+        stage,
+        load,
+        sticking=sticking,
+        standstill=standstill,
+        motor_held=motor_held,
+        tilt=tilt,
     )
     return spatial_modes(system, shapes=shapes)

@@ -17,6 +17,8 @@ _WORDS = {
     "screw_support_torsional": "screw held in rotation",
     "nut_support_torsional": "nut held in rotation",
     "carrier_support_torsional": "carrier support",
+    "screw_support_tilting": "screw held against tilting",
+    "nut_support_tilting": "nut held against tilting",
     "screw_shaft_axial": "screw, stretching",
     "screw_shaft_torsional": "screw, twisting",
     "screw_shaft_beyond_nut": "screw beyond the nut",

@@ -18,6 +18,8 @@ Vector: TypeAlias = tuple[Scalar, Scalar, Scalar]
 Place: TypeAlias = tuple[Scalar, Scalar]
 #: Elongation per unit of radial, tangential and axial displacement, and of u = r θ.
 Elongation: TypeAlias = tuple[Scalar, Scalar, Scalar, Scalar]
+#: Elongation per unit of r ψ, with the angle ψ of a tilt about the radial and tangential direction.
+Tilt: TypeAlias = tuple[Scalar, Scalar]
 
 
 class RollerSpring(eqx.Module):
@@ -35,6 +37,9 @@ class RollerSpring(eqx.Module):
     name: str = eqx.field(static=True)
     #: The body on the axis; `None` for the housing.
     body: str | None = eqx.field(static=True)
+    #: `None` where bodies do not tilt, or a tilt does not stretch the spring.
+    roller_tilt: Tilt | None = None
+    central_tilt: Tilt | None = None
 
 
 def _with_lever(direction: Vector, place: Place, radius: Scalar) -> Elongation:
@@ -44,6 +49,16 @@ def _with_lever(direction: Vector, place: Place, radius: Scalar) -> Elongation:
     return along, around, axial, (outward * around - aside * along) / radius
 
 
+def _tilting(direction: Vector, place: Place, radius: Scalar) -> Tilt:
+    """Moments of a direction about the radial and tangential direction, p × d, per radius."""
+    outward, aside = place
+    return aside * direction[2] / radius, -outward * direction[2] / radius
+
+
+def _reversed(tilt: Tilt) -> Tilt:
+    return -tilt[0], -tilt[1]
+
+
 def contact_spring(
     name: str,
     body: str,
@@ -51,6 +66,8 @@ def contact_spring(
     direction: Vector,
     places: tuple[Place, Place],
     radii: tuple[Scalar, Scalar],
+    *,
+    tilt: bool = False,
 ) -> RollerSpring:
     """A spring between the touching points of a body on the axis and of a roller.
 
@@ -65,6 +82,7 @@ def contact_spring(
     - `direction`: unit vector d.
     - `places`: the touching point p, from the axis of the body and from that of the roller [m].
     - `radii`: the radii r of u = r θ, of the body and of the roller [m].
+    - `tilt`: whether both bodies tilt, about their middles in the plane of the point.
     """
     body_place, roller_place = places
     body_radius, roller_radius = radii
@@ -75,7 +93,37 @@ def contact_spring(
         central=_with_lever(direction, body_place, body_radius),
         name=name,
         body=body,
+        roller_tilt=_reversed(_tilting(direction, roller_place, roller_radius)) if tilt else None,
+        central_tilt=_tilting(direction, body_place, body_radius) if tilt else None,
     )
+
+
+def spread_spring(
+    name: str,
+    body: str,
+    stiffness: Scalar,
+    direction: Vector,
+    spread: Scalar,
+    radii: tuple[Scalar, Scalar],
+) -> RollerSpring:
+    """What springs at several places ζ along the axis add to one in the middle where bodies tilt.
+
+    Each of n springs of stiffness k/n stretches by `δ + ζ d·(ψ × e_z)`, with the tilt ψ of the body
+    against the roller. With places that are symmetric about the middle their energy is that of
+    `k δ²` and of `k s² (d·(ψ × e_z))²`, s² = Σ ζ²/n.
+
+    **Arguments:**
+
+    - `name`, `body`, `stiffness`, `direction`, `radii`: those of the spring in the middle, of which
+      this is a part.
+    - `spread`: s [m].
+    """
+    zero = jnp.zeros_like(stiffness)
+    still = (zero, zero, zero, zero)
+    central, roller = (
+        (-spread * direction[1] / radius, spread * direction[0] / radius) for radius in radii
+    )
+    return RollerSpring(stiffness, still, still, name, body, _reversed(roller), central)
 
 
 def contact_places(contact: ThreadContact, side: Side, family: Family) -> tuple[Place, Place]:

@@ -1,5 +1,6 @@
 """Masses and springs of one stage whose bodies move in space."""
 
+import dataclasses
 import functools
 import operator
 
@@ -9,17 +10,37 @@ from jaxtyping import Array, Float
 
 from ...fields import CountOrTraced, Scalar, as_count, plain
 from ...geometry import Meshing, ThreadContact, mesh
-from ...mechanism import Axis, Side, Stage, Support, body_inertia, body_mass, material_of
+from ...mechanism import (
+    Axis,
+    Side,
+    Stage,
+    Support,
+    body_inertia,
+    body_mass,
+    material_of,
+    tilting_inertia,
+)
 from ...programs import physics
 from ...stiffness import ThreadStiffness, ring_roller_stiffness
 from ._axis import AxisSystem, axis_system
 from ._bodies import SpatialBody, nominal_radius, supports
 from ._springs import (
+    Place,
     RollerSpring,
+    Vector,
     contact_places,
     contact_spring,
+    spread_spring,
     tangential_ratio,
     tangents,
+)
+from ._tilt import (
+    OPPOSITE_CARRIERS,
+    opposite_carriers,
+    pin_distance,
+    teeth_distance,
+    thread_spread,
+    with_tilt,
 )
 
 SIDES: tuple[Side, ...] = ("screw", "nut")
@@ -36,6 +57,8 @@ class SpatialSystem(eqx.Module):
     roller_count: CountOrTraced = eqx.field(converter=as_count)
     #: The axis around the stage, which harmonic 0 moves.
     axis: AxisSystem | None = None
+    #: Moment of inertia of a roller about a diameter over r² [kg]; `None` if no body tilts.
+    roller_tilt_mass: Scalar | None = None
 
     @property
     def roller_positions(self) -> Float[Array, " rollers"]:
@@ -64,8 +87,30 @@ def _refuse_asymmetric(stage: Stage) -> None:
         )
 
 
+def _contact_springs(
+    name: str,
+    body: str,
+    stiffness: Scalar,
+    direction: Vector,
+    places: tuple[Place, Place],
+    radii: tuple[Scalar, Scalar],
+    spread: Scalar | None,
+) -> list[RollerSpring]:
+    """A spring, and where bodies tilt what its extent along the axis adds."""
+    tilt = spread is not None
+    springs = [contact_spring(name, body, stiffness, direction, places, radii, tilt=tilt)]
+    if spread is not None:
+        springs.append(spread_spring(name, body, stiffness, direction, spread, radii))
+    return springs
+
+
 def _thread_springs(
-    stage: Stage, threads: ThreadStiffness, meshing: Meshing, sticking: bool, standstill: bool
+    stage: Stage,
+    threads: ThreadStiffness,
+    meshing: Meshing,
+    sticking: bool,
+    standstill: bool,
+    tilt: bool,
 ) -> list[RollerSpring]:
     thread = stage.thread
     family = thread.family
@@ -73,6 +118,7 @@ def _thread_springs(
         ("screw", meshing.screw, threads.screw_roller),
         ("nut", meshing.nut, threads.nut_roller),
     )
+    spread = thread_spread(stage) if tilt else None
     normal: list[RollerSpring] = []
     along: list[RollerSpring] = []
     for side, contact, axial_stiffness in sides:
@@ -80,7 +126,8 @@ def _thread_springs(
         stiffness = axial_stiffness / direction[2] ** 2
         places = contact_places(contact, side, family)
         radii = nominal_radius(thread, side), thread.roller_radius
-        normal.append(contact_spring(f"{side}_roller", side, stiffness, direction, places, radii))
+        of_contact = places, radii, spread
+        normal += _contact_springs(f"{side}_roller", side, stiffness, direction, *of_contact)
         if side in family.sliding and not standstill:
             continue
         if sticking or standstill:
@@ -90,14 +137,12 @@ def _thread_springs(
             # Springs without stiffness, as for supports that are not given.
             tangential = jnp.zeros_like(stiffness)
         name = f"sticking_{side}_roller"
-        along += [
-            contact_spring(name, side, tangential, tangent, places, radii)
-            for tangent in tangents(direction)
-        ]
+        for tangent in tangents(direction):
+            along += _contact_springs(name, side, tangential, tangent, *of_contact)
     return normal + along
 
 
-def _gear_spring(stage: Stage, stiffness: Scalar, side: Side) -> RollerSpring:
+def _gear_springs(stage: Stage, stiffness: Scalar, side: Side, tilt: bool) -> list[RollerSpring]:
     """The teeth touch where the pitch circles do, and push along the line of action.
 
     Teeth of a ring gear push rollers inwards, those of a screw outwards.
@@ -108,12 +153,14 @@ def _gear_spring(stage: Stage, stiffness: Scalar, side: Side) -> RollerSpring:
     angle = zero if stage.gear is None else stage.gear.pressure_angle
     action = outwards * jnp.sin(angle), jnp.cos(angle), zero
     places = (radii[0], zero), (-outwards * radii[1], zero)
-    return contact_spring("ring_roller", side, stiffness, action, places, radii)
+    spread = teeth_distance(stage) if tilt else None
+    return _contact_springs("ring_roller", side, stiffness, action, places, radii, spread)
 
 
 def _pin_springs(
-    support: Support, like: Scalar, carrier: str | None, beside: Side
+    stage: Stage, support: Support, like: Scalar, carrier: str | None, beside: Side, tilt: bool
 ) -> list[RollerSpring]:
+    thread = stage.thread
     one, zero = jnp.ones_like(like), jnp.zeros_like(like)
     still = (zero, zero, zero, zero)
     springs: list[RollerSpring] = []
@@ -125,21 +172,34 @@ def _pin_springs(
         for name, (roller, central) in pins.items():
             stiffness, moved = support.radial_stiffness, still if carrier is None else central
             springs.append(RollerSpring(stiffness, roller, moved, name, carrier))
+            if tilt:
+                # The ends of a tilted roller move oppositely, across the direction of the tilt.
+                lever = pin_distance(stage) / thread.roller_radius
+                ends = (zero, -lever) if name == "pin_radial" else (lever, zero)
+                opposite = None if carrier is None else OPPOSITE_CARRIERS
+                pin = RollerSpring(stiffness, still, moved, name, opposite, roller_tilt=ends)
+                springs.append(pin)
     if support.axial_stiffness is not None:
         # Retaining rings hold the carriers in the body in which rollers keep their axial place.
         roller, held = (zero, zero, -one, zero), (zero, zero, one, zero)
-        springs.append(RollerSpring(support.axial_stiffness, roller, held, "pin_axial", beside))
+        pin = RollerSpring(support.axial_stiffness, roller, held, "pin_axial", beside)
+        if tilt:
+            lever = thread.centre_distance / nominal_radius(thread, beside)
+            pin = dataclasses.replace(pin, central_tilt=(zero, -lever * one))
+        springs.append(pin)
     return springs
 
 
-def _central(stage: Stage, side: Side, carriers: Scalar | None, like: Scalar) -> SpatialBody:
+def _central(
+    stage: Stage, side: Side, carriers: Scalar | None, like: Scalar, tilt: bool
+) -> SpatialBody:
     """Screw or nut, with the ring gear that is fixed to the nut, and the carriers beside it."""
     fixed = (side, "ring_gear") if side == "nut" else (side,)
     given = [name for name in fixed if getattr(stage, name) is not None]
     mass = functools.reduce(operator.add, (body_mass(stage, name) for name in given))
     inertia = functools.reduce(operator.add, (body_inertia(stage, name) for name in given))
     axially = fixed if carriers is None else (*fixed, "carrier")
-    return SpatialBody(
+    body = SpatialBody(
         mass=mass,
         equivalent_mass=inertia / nominal_radius(stage.thread, side) ** 2,
         radial_support=supports(stage, fixed, "radial", like),
@@ -148,6 +208,7 @@ def _central(stage: Stage, side: Side, carriers: Scalar | None, like: Scalar) ->
         axial_mass=mass if carriers is None else mass + carriers,
         axial_support=supports(stage, axially, "axial", like),
     )
+    return with_tilt(stage, body, side, carriers is not None) if tilt else body
 
 
 @physics("spatial_system")
@@ -160,10 +221,11 @@ def spatial_system(
     standstill: bool = False,
     axis: Axis | None = None,
     motor_held: bool = False,
+    tilt: bool = False,
 ) -> SpatialSystem:
     """Collect the masses and springs of one stage whose bodies move in space.
 
-    Screw, nut and each roller move in x, y, z and turn about z; tilts are left out. The ring gear
+    Screw, nut and each roller move in x, y, z and turn about z, and on request tilt. The ring gear
     is fixed to the nut. A thread contact is a spring along the common normal n of its flanks, with
     `k_n = k_a / n_z²` from the axial stiffness k_a of all engaged threads. Where the rollers roll
     (in the nut of a standard roller screw), it has Mindlin's stiffness in both tangential
@@ -172,6 +234,13 @@ def spatial_system(
     and turn with them, but axially with the body in which the rollers keep their place (the nut; of
     an inverted roller screw the screw). Without pins (`roller.support.radial_stiffness`) nothing
     connects rollers and carriers: these then only add their mass to that body in z.
+
+    With `tilt` the bodies also tilt about x and y, in the middle of the nut, where the middles of
+    screw and rollers lie too. Of a contact of stiffness k whose n threads have the distances ζ from
+    their middle, a tilt ψ of a body against the roller stretches each by `ζ d·(ψ × e_z)`, so that
+    one more spring k acts on `s d·(ψ × e_z)`, `s² = Σ ζ²/n = p² (n² − 1)/12`. Teeth and pins lie at
+    both ends of the rollers, and each carrier moves sideways and turns for itself in its plane,
+    which tilts with the body beside which it stays. Moments of inertia are `J/2 + m l²/12`.
 
     **Arguments:**
 
@@ -184,18 +253,21 @@ def spatial_system(
       tangential stiffness.
     - `axis`: the axis around the stage (`axis_system`); default none.
     - `motor_held`: whether the rotor of its motor does not turn.
+    - `tilt`: whether screw, nut and rollers also tilt; needs their lengths, and the number of
+      engaged threads.
 
     **Raises:** `MissingDataError` if masses or materials are missing; `ValueError` for fewer than 3
-    or unequal rollers, and for supports that differ in x and y.
+    or unequal rollers, and for supports that differ in x and y; with `tilt` for carriers other than
+    two.
     """
     _refuse_asymmetric(stage)
     meshing = mesh(stage.thread) if meshing is None else meshing
     thread = stage.thread
-    springs = _thread_springs(stage, threads, meshing, sticking, standstill)
+    springs = _thread_springs(stage, threads, meshing, sticking, standstill, tilt)
     like = meshing.nut.contact_radius
     teeth = ring_roller_stiffness(stage)
     if teeth is not None and thread.family.gear_body is not None:
-        springs.append(_gear_spring(stage, teeth, thread.family.gear_body))
+        springs += _gear_springs(stage, teeth, thread.family.gear_body, tilt)
 
     pins = stage.roller.support
     radial_pins = None if pins is None else pins.radial_stiffness
@@ -203,11 +275,14 @@ def spatial_system(
     # Where rollers keep their place in neither body, a cage in the nut guides them.
     beside = thread.family.carrying or "nut"
     if pins is not None:
-        springs += _pin_springs(pins, like, None if carrier is None else "carrier", beside)
+        name = None if carrier is None else "carrier"
+        springs += _pin_springs(stage, pins, like, name, beside, tilt)
     carriers = None
     if stage.carrier is not None:
         carriers = stage.carrier.count * body_mass(stage, "carrier")
-    bodies = [_central(stage, side, carriers if side == beside else None, like) for side in SIDES]
+    bodies = [
+        _central(stage, side, carriers if side == beside else None, like, tilt) for side in SIDES
+    ]
     if carrier is not None and carriers is not None:
         inertia = carrier.count * body_inertia(stage, "carrier")
         bodies.append(
@@ -219,6 +294,8 @@ def spatial_system(
                 name="carrier",
             )
         )
+        if tilt:
+            bodies.append(opposite_carriers(stage, bodies[-1]))
     around: AxisSystem | None = None
     on_axis = tuple(bodies)
     if axis is not None:
@@ -232,4 +309,7 @@ def spatial_system(
         roller_equivalent_mass=body_inertia(stage, "roller") / thread.roller_radius**2,
         roller_count=stage.roller_count,
         axis=around,
+        roller_tilt_mass=tilting_inertia(stage, "roller") / thread.roller_radius**2
+        if tilt
+        else None,
     )
