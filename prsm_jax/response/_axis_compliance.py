@@ -65,6 +65,7 @@ def axis_compliance(
     load: float | Scalar | None = None,
     damping: AnyDamping | AsGiven | None = "given",
     sticking: bool = True,
+    tilt: bool = False,
 ) -> AxisCompliance:
     """Displacement per harmonic force at nut, load and motor, all bodies moving in space.
 
@@ -82,14 +83,14 @@ def axis_compliance(
     - `load`: axial load at which the contact stiffness is taken [N]; default that of the
       operating point.
     - `damping`: default that of the stage; or a law, or `None` for the controller's alone.
-    - `sticking`: as in `spatial_modal`.
+    - `sticking`, `tilt`: as in `spatial_modal`.
 
     **Raises:** `MissingDataError` if there is no axis or data are missing; `ValueError` for a stage
     without symmetry.
     """
     if mechanism.axis is None:
         raise MissingDataError("the mechanism has no axis around it; give [axis]")
-    system = stage_spatial_system(mechanism, 1, load, sticking=sticking)
+    system = stage_spatial_system(mechanism, 1, load, sticking=sticking, tilt=tilt)
     assert system.axis is not None
     network, axis = spatial_harmonic_network(system, 0), system.axis
     moved = mechanism.stages[0].thread.family.held

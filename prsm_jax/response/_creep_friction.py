@@ -14,6 +14,7 @@ rises feeds vibration: N. M. Kinkaid, O. M. O'Reilly, P. Papadopoulos, J. Sound 
 """
 
 import dataclasses
+import itertools
 from typing import Annotated
 
 import jax
@@ -32,10 +33,11 @@ from ..vibration import (
     SpatialSystem,
     SpringNetwork,
     contact_places,
-    contact_spring,
+    contact_springs,
     nominal_radius,
     spatial_harmonic_network,
     spatial_network,
+    thread_spread,
 )
 
 #: Names of the dashpots of a contact, along the slip and across it.
@@ -74,8 +76,9 @@ class CreepFriction(Result):
     slides: Bool[Array, ""]
     #: Whether the steady state is valid.
     valid: Bool[Array, ""]
-    #: The pair of dashpots at each roller; their `stiffness` is a damping constant [N·s/m].
-    dashpots: tuple[RollerSpring, RollerSpring]
+    #: The pair of dashpots at each roller, and with `tilt` what the extent of each along the axis
+    #: adds; their `stiffness` is a damping constant [N·s/m].
+    dashpots: tuple[RollerSpring, ...]
 
     def network(self, system: SpatialSystem, harmonic: int | None = None) -> SpringNetwork:
         """Dashpots of all rollers, as a network with damping constants in place of stiffnesses.
@@ -138,7 +141,8 @@ def creep_dashpots(
     sliding: SlidingContact,
     along_slip: Scalar,
     across_slip: Scalar,
-) -> tuple[RollerSpring, RollerSpring]:
+    spread: Scalar | None = None,
+) -> tuple[RollerSpring, ...]:
     """The dashpots of a contact along its slip and across it, between a body and the roller.
 
     Those of a nut are given in the frame of the springs, in which the nut presses the rollers
@@ -159,11 +163,11 @@ def creep_dashpots(
     places = contact_places(contact, side, thread.family)
     radii = nominal_radius(thread, side), thread.roller_radius
     pairs = zip(CREEP_NAMES, (along_slip, across_slip), (first, second), strict=True)
-    one, two = (
-        contact_spring(name, side, damping, (way[0], way[1], way[2]), places, radii)
+    dashpots = [
+        contact_springs(name, side, damping, (way[0], way[1], way[2]), places, radii, spread)
         for name, damping, way in pairs
-    )
-    return one, two
+    ]
+    return tuple(itertools.chain(*dashpots))
 
 
 @of_one_design
@@ -175,6 +179,7 @@ def creep_friction(
     stage: int = 1,
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
+    tilt: bool = False,
 ) -> CreepFriction:
     """Damping of small vibration by the sliding contacts of one stage at an operating point.
 
@@ -187,15 +192,17 @@ def creep_friction(
     - `stage`: which stage, counted from 1.
     - `speed`: screw speed [rad/s]; default that of the operating point.
     - `load`: axial load [N]; default that of the operating point.
+    - `tilt`: whether bodies also tilt; needs the number of engaged threads.
 
     **Raises:** `MissingDataError` if speed, load or the friction of the threads is not given, or
     for a recirculating roller screw, whose rollers slide on two bodies; `ValueError` for a stage
     that does not exist.
     """
-    thread = stage_at(mechanism, stage).thread
+    chosen = stage_at(mechanism, stage)
     sliding = sliding_contact(mechanism, stage, speed, load)
     slip, coefficient, along, across, slides = _dampings(sliding)
-    dashpots = creep_dashpots(thread, sliding, along, across)
+    spread = thread_spread(chosen) if tilt else None
+    dashpots = creep_dashpots(chosen.thread, sliding, along, across, spread)
     resistance = sliding.law.viscous_resistance
     friction = coefficient * sliding.force
     friction = friction if resistance is None else friction + resistance * slip
@@ -207,7 +214,7 @@ def creep_friction(
         damping_across_slip=across,
         power=friction * slip,
         along=jnp.stack(dashpots[0].central[:3]),
-        across=jnp.stack(dashpots[1].central[:3]),
+        across=jnp.stack(dashpots[2 if tilt else 1].central[:3]),
         slides=slides,
         valid=sliding.valid,
         dashpots=dashpots,

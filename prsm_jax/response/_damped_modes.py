@@ -1,4 +1,4 @@
-"""Damped modes of a network with two dashpots: eigenvalues, exact and of first order.
+"""Damped modes of a network with a few dashpots: eigenvalues, exact and of first order.
 
 In the modes of the undamped network the motion a of each mode follows
 
@@ -42,8 +42,10 @@ class DampedModes(NamedTuple):
     found: Bool[Array, " modes"]
 
 
-def _solved(matrix: Complex[Array, "3 3"], right: Complex[Array, "3"]) -> Complex[Array, "3"]:
-    """Cramer's rule: a library call takes seconds to compile."""
+def _solved(matrix: Complex[Array, "n n"], right: Complex[Array, " n"]) -> Complex[Array, " n"]:
+    """For two dashpots Cramer's rule: a library call takes seconds to compile."""
+    if right.shape[0] != 3:
+        return jnp.linalg.solve(matrix, right)
     first, second, third = matrix.T
     plane = jnp.cross(second, third)
     found = jnp.stack(
@@ -108,7 +110,7 @@ def _followed(of: _Problem, weakest: Scalar) -> tuple[Complex[Array, " n"], Bool
 
 
 def damped_modes(modes: SpringModes, dashpots: SpringNetwork) -> DampedModes:
-    """Eigenvalues of the modes of a network that has two dashpots.
+    """Eigenvalues of the modes of a network that has a few dashpots.
 
     First order, with mass-normalised shapes: `ζ_i = φ_iᴴ C φ_i / 2 ω_i = Σ c |g φ_i|² / 2 ω_i`
     (Lord Rayleigh, The Theory of Sound, section 102), at a repeated root the mean over its
@@ -118,7 +120,7 @@ def damped_modes(modes: SpringModes, dashpots: SpringNetwork) -> DampedModes:
     **Arguments:**
 
     - `modes`: modes of a network.
-    - `dashpots`: two, with a damping constant [N·s/m] for each row in place of a stiffness, of the
+    - `dashpots`: two or more, with a damping constant [N·s/m] for each row in place of a stiffness, of the
       same degrees of freedom.
     """
     omega, squares = modes.angular_frequencies, modes.eigenvalues

@@ -114,6 +114,7 @@ def spatial_damping(
     sticking: bool = True,
     shapes: bool = False,
     motor_held: bool = False,
+    tilt: bool = False,
 ) -> SpatialDamping:
     """Damping ratios of the modes of `spatial_modal` by friction of the threads that slide.
 
@@ -134,13 +135,15 @@ def spatial_damping(
     - `speed`: screw speed [rad/s]; default that of the operating point.
     - `load`: axial load, for the contact stiffness and for the friction [N]; default that of the
       operating point.
-    - `sticking`, `shapes`, `motor_held`: as in `spatial_modal`.
+    - `sticking`, `shapes`, `motor_held`, `tilt`: as in `spatial_modal`.
 
     **Raises:** as `spatial_modal` and `creep_friction`.
     """
     load = load_of(mechanism, load)
-    creep = creep_friction(mechanism, stage=stage, speed=speed, load=load)
-    system = stage_spatial_system(mechanism, stage, load, sticking=sticking, motor_held=motor_held)
+    creep = creep_friction(mechanism, stage=stage, speed=speed, load=load, tilt=tilt)
+    system = stage_spatial_system(
+        mechanism, stage, load, sticking=sticking, motor_held=motor_held, tilt=tilt
+    )
     solved = spatial_spring_modes(system)
     damped = [
         damped_modes(modes, creep.network(system, harmonic))

@@ -70,7 +70,7 @@ from .spatial import (
     axial_torsional_modes as axial_torsional_modes,
     axis_system as axis_system,
     contact_places as contact_places,
-    contact_spring as contact_spring,
+    contact_springs as contact_springs,
     nominal_radius as nominal_radius,
     spatial_harmonic_network as spatial_harmonic_network,
     spatial_modal as spatial_modal,
@@ -82,4 +82,5 @@ from .spatial import (
     stage_spatial_system as stage_spatial_system,
     static_compliance as static_compliance,
     strain_in_words as strain_in_words,
+    thread_spread as thread_spread,
 )

@@ -165,6 +165,9 @@ def modal(
             help="Vibration in space: bodies also move along the axis, motor and load with them.",
         ),
     ] = False,
+    tilt: Annotated[
+        bool, Parameter(negative="", help="With --spatial: screw, nut and rollers also tilt.")
+    ] = False,
     common: Common = _DEFAULT,
 ) -> int:
     """Natural frequencies and families of one stage; pictures of the modes with --out."""
@@ -178,7 +181,9 @@ def modal(
         }
         if given := [option for option, is_given in unused.items() if is_given]:
             raise PrsmError(f"{', '.join(given)}: not with --spatial, which draws no such pictures")
-        return _spatial(file, mechanism, stage, shapes, against, common)
+        return _spatial(file, mechanism, stage, shapes, against, tilt, common)
+    if tilt:
+        raise PrsmError("--tilt: give --spatial too; without it no body moves along the axis")
     if against is None and (first is not None or last is not None):
         raise PrsmError("--from and --to: give the name of their number with --against")
     values = None if against is None else _values(mechanism, against, first, last, points)
@@ -224,6 +229,7 @@ def _spatial(
     stage: int,
     shapes: bool,
     against: str | None,
+    tilt: bool,
     common: Common,
 ) -> int:
     if against is not None:
@@ -232,7 +238,7 @@ def _spatial(
             "first_axial_frequency,antiresonance_frequency"
         )
     expect_programs("spatial_modal")
-    found = Spatial(mechanism, stage)
+    found = Spatial(mechanism, stage, tilt)
     results = spatial_results(found, shapes)
     written: tuple[Path, ...] = ()
     if common.out is not None:
@@ -261,10 +267,10 @@ def _loci_table(loci: FrequencyLoci, first: str | None, last: str | None) -> str
     return table(f"against {loci.parameter}", columns, rows)
 
 
-def _damping(mechanism: Mechanism, stage: int) -> SpatialDamping | None:
+def _damping(mechanism: Mechanism, stage: int, tilt: bool) -> SpatialDamping | None:
     """Damping by creep friction, where speed, load and friction of the threads are given."""
     try:
-        return spatial_damping(mechanism, stage=stage, shapes=True)
+        return spatial_damping(mechanism, stage=stage, shapes=True, tilt=tilt)
     except MissingDataError:
         # Frequencies need less.
         return None
@@ -273,11 +279,11 @@ def _damping(mechanism: Mechanism, stage: int) -> SpatialDamping | None:
 class Spatial:
     """Modes in space of a mechanism, and numbers of its axis."""
 
-    def __init__(self, mechanism: Mechanism, stage: int):
-        self.mechanism, self.stage = mechanism, stage
-        self.damping = _damping(mechanism, stage)
+    def __init__(self, mechanism: Mechanism, stage: int, tilt: bool = False):
+        self.mechanism, self.stage, self.tilt = mechanism, stage, tilt
+        self.damping = _damping(mechanism, stage, tilt)
         self.modes: SpatialModes = (
-            run_spatial_modal(mechanism, stage=stage, shapes=True)
+            run_spatial_modal(mechanism, stage=stage, shapes=True, tilt=tilt)
             if self.damping is None
             else self.damping.modes
         )
@@ -285,7 +291,9 @@ class Spatial:
         self.held: SpatialModes | None = None
         axis = mechanism.axis
         if axis is not None and axis.motor is not None:
-            self.held = run_spatial_modal(mechanism, stage=stage, shapes=True, motor_held=True)
+            self.held = run_spatial_modal(
+                mechanism, stage=stage, shapes=True, motor_held=True, tilt=tilt
+            )
         self.axis: dict[str, float] = {}
         if axis is not None:
             names = available_quantities(mechanism, tuple(AXIS_QUANTITIES))
@@ -298,6 +306,7 @@ def spatial_results(found: Spatial, shapes: bool) -> dict[str, Any]:
     modes = found.modes
     results: dict[str, Any] = modal_results(modes, found.stage) | {
         "spatial": True,
+        "tilt": found.tilt,
         # The elastic axial–torsional modes, ascending.
         "axial_torsional": [
             {

@@ -29,6 +29,8 @@ from ._springs import (
     RollerSpring as RollerSpring,
     contact_places as contact_places,
     contact_spring as contact_spring,
+    contact_springs as contact_springs,
+    spread_spring as spread_spring,
     tangential_ratio as tangential_ratio,
 )
 from ._statics import static_compliance as static_compliance
@@ -36,3 +38,4 @@ from ._system import (
     SpatialSystem as SpatialSystem,
     spatial_system as spatial_system,
 )
+from ._tilt import thread_spread as thread_spread

@@ -126,6 +126,29 @@ def spread_spring(
     return RollerSpring(stiffness, still, still, name, body, _reversed(roller), central)
 
 
+def contact_springs(
+    name: str,
+    body: str,
+    stiffness: Scalar,
+    direction: Vector,
+    places: tuple[Place, Place],
+    radii: tuple[Scalar, Scalar],
+    spread: Scalar | None,
+) -> list[RollerSpring]:
+    """A spring, and where bodies tilt what its extent along the axis adds.
+
+    **Arguments:** as `contact_spring`, and
+
+    - `spread`: root mean square distance along the axis of the parts of the spring from its middle
+      [m]; `None` if no body tilts.
+    """
+    tilt = spread is not None
+    springs = [contact_spring(name, body, stiffness, direction, places, radii, tilt=tilt)]
+    if spread is not None:
+        springs.append(spread_spring(name, body, stiffness, direction, spread, radii))
+    return springs
+
+
 def contact_places(contact: ThreadContact, side: Side, family: Family) -> tuple[Place, Place]:
     """The contact point of a roller with screw or nut, from the axes of that body and roller [m].
 

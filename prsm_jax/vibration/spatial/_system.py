@@ -25,12 +25,9 @@ from ...stiffness import ThreadStiffness, ring_roller_stiffness
 from ._axis import AxisSystem, axis_system
 from ._bodies import SpatialBody, nominal_radius, supports
 from ._springs import (
-    Place,
     RollerSpring,
-    Vector,
     contact_places,
-    contact_spring,
-    spread_spring,
+    contact_springs,
     tangential_ratio,
     tangents,
 )
@@ -87,23 +84,6 @@ def _refuse_asymmetric(stage: Stage) -> None:
         )
 
 
-def _contact_springs(
-    name: str,
-    body: str,
-    stiffness: Scalar,
-    direction: Vector,
-    places: tuple[Place, Place],
-    radii: tuple[Scalar, Scalar],
-    spread: Scalar | None,
-) -> list[RollerSpring]:
-    """A spring, and where bodies tilt what its extent along the axis adds."""
-    tilt = spread is not None
-    springs = [contact_spring(name, body, stiffness, direction, places, radii, tilt=tilt)]
-    if spread is not None:
-        springs.append(spread_spring(name, body, stiffness, direction, spread, radii))
-    return springs
-
-
 def _thread_springs(
     stage: Stage,
     threads: ThreadStiffness,
@@ -127,7 +107,7 @@ def _thread_springs(
         places = contact_places(contact, side, family)
         radii = nominal_radius(thread, side), thread.roller_radius
         of_contact = places, radii, spread
-        normal += _contact_springs(f"{side}_roller", side, stiffness, direction, *of_contact)
+        normal += contact_springs(f"{side}_roller", side, stiffness, direction, *of_contact)
         if side in family.sliding and not standstill:
             continue
         if sticking or standstill:
@@ -138,7 +118,7 @@ def _thread_springs(
             tangential = jnp.zeros_like(stiffness)
         name = f"sticking_{side}_roller"
         for tangent in tangents(direction):
-            along += _contact_springs(name, side, tangential, tangent, *of_contact)
+            along += contact_springs(name, side, tangential, tangent, *of_contact)
     return normal + along
 
 
@@ -154,7 +134,7 @@ def _gear_springs(stage: Stage, stiffness: Scalar, side: Side, tilt: bool) -> li
     action = outwards * jnp.sin(angle), jnp.cos(angle), zero
     places = (radii[0], zero), (-outwards * radii[1], zero)
     spread = teeth_distance(stage) if tilt else None
-    return _contact_springs("ring_roller", side, stiffness, action, places, radii, spread)
+    return contact_springs("ring_roller", side, stiffness, action, places, radii, spread)
 
 
 def _pin_springs(

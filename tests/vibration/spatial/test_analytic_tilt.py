@@ -1,11 +1,8 @@
 """Tilts in space: against rigid bodies whose threads, teeth and pins are springs one by one."""
 
-import dataclasses
-
 import numpy as np
 import pytest
-from present import present
-from spatial_scenes import THREADS, free_stage, frequencies_of, modes_of, network_of, system_of
+from spatial_scenes import THREADS, frequencies_of, modes_of, network_of, system_of
 from tilt_assembly import of_coordinates, rigid_bodies, tilting_stage
 
 
@@ -26,9 +23,7 @@ def test_matrices_are_those_of_rigid_bodies(count, standstill):
     # Sums of some hundreds of doubles; the contact comes from a root found to about 1e-15.
     np.testing.assert_allclose(found, expected, atol=1e-13 * np.abs(expected).max(), rtol=0)
     inertias = change.T @ (masses[:, None] * change)
-    np.testing.assert_allclose(
-        np.diag(np.asarray(network.mass)), inertias, rtol=1e-13, atol=1e-16
-    )
+    np.testing.assert_allclose(np.diag(np.asarray(network.mass)), inertias, rtol=1e-13, atol=1e-16)
 
 
 @pytest.mark.parametrize("count", [3, 5, 8])

@@ -208,7 +208,7 @@ def of_coordinates(found, stage, coordinates):
             if direction in ("z", "u"):
                 unit[2] = 1.0
             else:
-                unit["radial tangential".split().index(direction.removeprefix("tilt_"))] = 1.0
+                unit[["radial", "tangential"].index(direction.removeprefix("tilt_"))] = 1.0
             unit = turned(unit, 2 * np.pi * at / stage.roller_count)
             turns = direction == "u" or direction.startswith("tilt")
             rotation = unit / number(thread.roller_radius) * turns
