@@ -120,8 +120,8 @@ def damped_modes(modes: SpringModes, dashpots: SpringNetwork) -> DampedModes:
     **Arguments:**
 
     - `modes`: modes of a network.
-    - `dashpots`: two or more, with a damping constant [N·s/m] for each row in place of a stiffness, of the
-      same degrees of freedom.
+    - `dashpots`: two or more, with a damping constant [N·s/m] for each row in place of a stiffness,
+      of the same degrees of freedom.
     """
     omega, squares = modes.angular_frequencies, modes.eigenvalues
     elastic = ~(omega <= RIGID_SHARE * jnp.max(omega))

@@ -70,6 +70,7 @@ from .spatial import (
     axial_torsional_modes as axial_torsional_modes,
     axis_system as axis_system,
     contact_places as contact_places,
+    contact_spring as contact_spring,
     contact_springs as contact_springs,
     nominal_radius as nominal_radius,
     spatial_harmonic_network as spatial_harmonic_network,

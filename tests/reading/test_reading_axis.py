@@ -274,7 +274,7 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes, name, damped):
     found = object.__new__(_modal.Spatial)
     found.mechanism, found.stage, found.modes = scenes.example(name), 1, modes
     found.elastic, found.held, found.axis = modes.elastic_modes(), modes, values
-    found.damping = _damping() if damped else None
+    found.damping, found.tilt = _damping() if damped else None, damped
     monkeypatch.setattr(_modal, "Spatial", lambda *_: found)
     results, printed = run("modal", name, "--spatial")
     frequencies = [19.3, 127.1, 1310.0]
@@ -308,6 +308,7 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes, name, damped):
         {
             "stage": 1,
             "spatial": True,
+            "tilt": damped,
             "frequencies_hz": [0.0, 19.3, 127.1, 411.0, 411.0, 1310.0],
             "families": ["rigid", "torsional", "axial", "transverse", "transverse", "torsional"],
             "multiplicities": [1, 1, 1, 2, 2, 1],
@@ -332,7 +333,8 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes, name, damped):
         ("transverse", (411.0, "Hz"), (2, "")),
         ("torsional", (1310.0, "Hz"), (1, "")),
     ]
-    printed.row(f"Natural frequencies in space: {name}, stage 1")
+    tilting = ", bodies tilting" if damped else ""
+    printed.row(f"Natural frequencies in space{tilting}: {name}, stage 1")
     head = ("family", "f Hz", "times")
     if damped:
         # One row for each distinct frequency.

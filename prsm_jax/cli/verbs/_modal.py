@@ -348,7 +348,9 @@ def spatial_text(found: Spatial, file: str) -> str:
         (modes.families[at], 0.0 if modes.families[at] == "rigid" else values[at], times)
         for at, times in ((at, modes.multiplicities[at]) for at in modes.distinct)
     ]
-    title, columns = f"Natural frequencies in space: {file}, stage {found.stage}", _COLUMNS
+    tilting = ", bodies tilting" if found.tilt else ""
+    title = f"Natural frequencies in space{tilting}: {file}, stage {found.stage}"
+    columns = _COLUMNS
     damping = found.damping
     if damping is not None:
         ratios, columns = np.asarray(damping.damping_ratios), (*_COLUMNS, "damping %")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import prsm_jax
 from tests import scenes
 
 
@@ -84,6 +85,8 @@ def test_a_range_prints_a_table(prsm):
         (["--spatial", "--from", "1", "--to", "2"], "--from, --to: not with --spatial"),
         (["--spatial", "--points", "7"], "--points: not with --spatial"),
         (["--spatial", "--no-animation"], "--no-animation: not with --spatial"),
+        (["--tilt"], "--tilt: give --spatial too"),
+        (["--spatial", "--tilt"], "give stage.roller.length"),
     ],
 )
 def test_what_a_user_can_mend_is_one_line(prsm, tmp_path, words, expected):
@@ -109,3 +112,13 @@ def test_in_space_with_pictures_of_the_axis(prsm_json, tmp_path):
     assert next(iter(axial["strain_energy_shares"])) == "screw_shaft_axial"
     held = results["antiresonances_hz"][0]
     assert held == pytest.approx(axis["antiresonance_frequency_hz"], rel=1e-12)
+
+
+def test_in_space_with_tilts(prsm_json):
+    results = prsm_json("modal", "actuator", "--spatial", "--tilt")
+    assert results["tilt"] is True
+    expected = prsm_jax.spatial_modal(prsm_jax.load("actuator"), tilt=True)
+    found = np.array(results["frequencies_hz"])
+    np.testing.assert_allclose(found, expected.frequencies, rtol=1e-11, atol=1e-11 * found.max())
+    assert results["families"].count("transverse") == 2 * 8
+    assert len(results["creep_friction"]["damping_ratios"]) == len(found)

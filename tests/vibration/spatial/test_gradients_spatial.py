@@ -10,6 +10,7 @@ import pytest
 from present import present
 from scenes import example
 from spatial_scenes import held_stage, modes_of, system_of
+from tilt_assembly import tilting_stage
 
 import prsm_jax as prsm
 from prsm_jax.stiffness import ThreadStiffness
@@ -106,3 +107,40 @@ def test_without_pins_there_is_no_carrier_among_the_coordinates():
     )
     assert [body.name for body in system.bodies] == ["screw", "nut"]
     assert not any(spring.name.startswith("pin") for spring in system.springs)
+
+
+def _tilting(mechanism, changes):
+    """Distinct frequencies with tilts; contact angle and lengths changed by these shares."""
+    angle = prsm.get_parameter(mechanism, "contact_angle")
+    moved = prsm.set_parameter(mechanism, "contact_angle", angle * (1 + changes[0]))
+    for at, body in enumerate(("roller", "nut"), start=1):
+        moved = eqx.tree_at(
+            lambda m, body=body: getattr(m.stages[0], body).length,
+            moved,
+            replace_fn=lambda value, at=at: value * (1 + changes[at]),
+        )
+    return jnp.concatenate(
+        [group.frequencies for group in prsm.spatial_modal(moved, tilt=True).groups]
+    )
+
+
+def test_derivatives_of_tilting_bodies_are_central_differences():
+    stage = tilting_stage()
+    given = dataclasses.replace(present(stage.stiffness), screw_roller=None, nut_roller=None)
+    stage = dataclasses.replace(stage, stiffness=given, curvature="exact")
+    mechanism = dataclasses.replace(example("wu2022"), stages=(stage,))
+    values = eqx.filter_jit(lambda c: _tilting(mechanism, c))
+    weights = jnp.cos(jnp.arange(values(jnp.zeros(3)).shape[0]))
+    forward = np.asarray(eqx.filter_jit(jax.jacfwd(lambda c: _tilting(mechanism, c)))(jnp.zeros(3)))
+    pulled = eqx.filter_jit(jax.grad(lambda c: weights @ _tilting(mechanism, c)))(jnp.zeros(3))
+    np.testing.assert_allclose(pulled, np.asarray(weights) @ forward, rtol=1e-11)
+    size, step = np.asarray(values(jnp.zeros(3))), 1e-4
+    for at, unit in enumerate(np.eye(3)):
+        outer, inner = (
+            (np.asarray(values(h * unit)) - np.asarray(values(-h * unit))) / (2 * h)
+            for h in (2 * step, step)
+        )
+        # Of fourth order in the step: 1e-16; rounding 1e-15/1e-4 of the largest frequency.
+        difference = (4 * inner - outer) / 3
+        np.testing.assert_allclose(forward[:, at] / size, difference / size, rtol=0, atol=1e-10)
+    assert np.abs(forward / size[:, None]).max(axis=0).min() > 0.1

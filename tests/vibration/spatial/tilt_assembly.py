@@ -4,33 +4,36 @@ import dataclasses
 
 import numpy as np
 from present import present
-from spatial_assembly import SLIDES, THREADED, beside, contact_of, turned
+from spatial_assembly import SLIDES, beside, contact_of, turned
 from spatial_scenes import THREADS, held_stage, number
 
-from prsm_jax.mechanism import Gear, Support, body_inertia, body_mass
+from prsm_jax.mechanism import Support, body_inertia, body_mass
 
 AXIS = np.array([0.0, 0.0, 1.0])
 
 
 def tilting_stage(roller_count=5):
     """The held stage with everything that a tilt needs, and tilting stiffness of its supports."""
-    stage = held_stage(roller_count)
+    return with_tilt_data(held_stage(roller_count))
+
+
+def with_tilt_data(stage):
+    """Lengths, engaged threads, two carriers, and tilting stiffness of the supports."""
 
     def held(body, stiffness, **more):
         support = dataclasses.replace(present(body.support), tilting_stiffness=stiffness)
         return dataclasses.replace(body, support=support, **more)
 
+    gear = stage.gear
     return dataclasses.replace(
         stage,
         engaged_threads=9,
+        load_sharing=None,
         screw=held(stage.screw, 3e4, length=0.31),
         nut=held(stage.nut, 5e4, length=0.062),
         roller=dataclasses.replace(stage.roller, length=0.057),
         carrier=held(present(stage.carrier), 70.0, count=2),
-        ring_gear=held(present(stage.ring_gear), 400.0),
-        gear=dataclasses.replace(present(stage.gear), face_width=6e-3)
-        if stage.gear is not None
-        else Gear(pressure_angle=0.35, face_width=6e-3),
+        gear=None if gear is None else dataclasses.replace(gear, face_width=6e-3),
     )
 
 
@@ -60,7 +63,7 @@ class RigidBodies:
         thread = stage.thread
         length = number(stage.roller.length)
         self.pin = length / 2
-        self.tooth = (length - number(present(stage.gear).face_width)) / 2
+        self.tooth = 0.0 if stage.gear is None else (length - number(stage.gear.face_width)) / 2
         for side in ("screw", "nut"):
             self._cylinder(side, side, np.zeros(3))
         self._cylinder_rollers(number(thread.centre_distance))
@@ -235,6 +238,3 @@ def of_coordinates(found, stage, coordinates):
             if direction.startswith("tilt"):
                 move([(key, 1) for key in cages], column, 0 * unit, rotation)
     return change
-
-
-__all__ = ["THREADED", "of_coordinates", "rigid_bodies", "tilting_stage"]
