@@ -62,6 +62,7 @@ from .steady import (
     SteadyState as SteadyState,
     all_kinematics as all_kinematics,
     friction_needs_load as friction_needs_load,
+    friction_sets_motion as friction_sets_motion,
     jamming_coefficient as jamming_coefficient,
     jamming_margin as jamming_margin,
     locking_coefficient as locking_coefficient,

@@ -8,9 +8,11 @@ import jax.numpy as jnp
 from ..contact import load_of
 from ..dynamics import (
     friction_needs_load,
+    friction_sets_motion,
     jamming_coefficient,
     jamming_margin,
     locking_coefficient,
+    self_locking_margin,
     steady_state,
 )
 from ..fields import Scalar
@@ -38,11 +40,28 @@ def _jamming(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         stage = analysis.mechanism.stages[index]
         single = eqx.tree_at(lambda m: m.stages, analysis.mechanism, (stage,))
         geometry = analysis.kinematics[index]
-        load = analysis.load if friction_needs_load(single) else None
-        return jamming_margin(single, (geometry,), jnp.abs(analysis.speed), load)
+        needs_load = friction_needs_load(single) or friction_sets_motion(single)
+        load = analysis.load if needs_load else None
+        return jamming_margin(single, (geometry,), jnp.abs(analysis.speed), load)[0]
+
+    turning = mechanism.stages[index].thread.family.turning
+    levels = (("error", 0.0), ("warning", _SCATTER))
+    if friction_sets_motion(mechanism):
+
+        def of_share(r: Reading) -> str:
+            if r.severity == "error":
+                found = f"the driving {turning} jams: thread friction cancels the axial force"
+            else:
+                found = (
+                    f"friction of the threads leaves {r.value:.0%} of the axial part of their "
+                    f"normal force to the load; at 0 the driving {turning} jams"
+                )
+            return f"{found}; lower the friction, or raise the contact angle"
+
+        yield Margin("jamming", index + 1, value, levels, of_share, reserve=1e-2, strict=True)
+        return
 
     def message(r: Reading) -> str:
-        turning = mechanism.stages[index].thread.family.turning
         relation = "exceeds" if r.severity == "error" else "is close to"
         limit = r.details["limit"]
         return (
@@ -54,7 +73,7 @@ def _jamming(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         "jamming",
         index + 1,
         value,
-        (("error", 0.0), ("warning", _SCATTER)),
+        levels,
         message,
         details=lambda analysis: {"limit": jamming_coefficient(analysis.kinematics[index])},
         shown=lambda r: (
@@ -78,21 +97,35 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         load = jnp.abs(load_of(analysis.mechanism, analysis.signed_load))
         return steady_state(analysis.mechanism, speed, load, analysis.kinematics).efficiency
 
+    free = friction_sets_motion(mechanism)
+
+    def limit_of(r: Reading) -> str:
+        if free:
+            return f"all friction, times {r.details['factor']:.3g}, just holds the load"
+        coefficient = r.details["limit"]
+        where = f"above a friction coefficient of {coefficient:.3g}"
+        return f"thread friction alone is self-locking {where}"
+
     def message(r: Reading) -> str:
-        limit = r.details["limit"]
         turning = mechanism.stages[0].thread.family.turning
         if r.severity == "note":
             return (
                 f"self-locking: friction holds the load without torque, and the {turning} needs "
-                "torque in either direction (thread friction alone is self-locking above a "
-                f"friction coefficient of {limit:.3g})"
+                f"torque in either direction ({limit_of(r)})"
             )
         return (
             f"nearly self-locking: only {r.value:.0%} of the work of the load reaches the "
-            f"{turning}, so lubricant and wear decide whether the load turns it (thread "
-            f"friction alone is self-locking above a friction coefficient of {limit:.3g}); change "
-            "friction or contact angle, or add a brake"
+            f"{turning}, so lubricant and wear decide whether the load turns it ({limit_of(r)}); "
+            "change friction or contact angle, or add a brake"
         )
+
+    def details(analysis: Analysis) -> dict[str, Scalar]:
+        if not free:
+            return {"limit": locking_coefficient(analysis.kinematics[0])}
+        margin, _ = self_locking_margin(
+            analysis.mechanism, analysis.kinematics, analysis.speed, analysis.load
+        )
+        return {"factor": 1 / (1 - margin)}
 
     yield Margin(
         "self_locking",
@@ -100,6 +133,6 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         value,
         (("note", 0.0), ("warning", _NEARLY_HELD)),
         message,
-        details=lambda analysis: {"limit": locking_coefficient(analysis.kinematics[0])},
+        details=details,
         shown=lambda r: (r.value, r.limit),
     )

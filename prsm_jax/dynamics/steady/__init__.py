@@ -7,6 +7,7 @@ from ._carrier_balance import (
 )
 from ._locking import (
     friction_needs_load as friction_needs_load,
+    friction_sets_motion as friction_sets_motion,
     jamming_coefficient as jamming_coefficient,
     jamming_margin as jamming_margin,
     jams as jams,

@@ -3,8 +3,9 @@
 A driving screw jams where thread friction cancels the axial part of the normal force: the bracket
 of the axial balance, |n_z| − μ v_z/‖v‖, vanishes. A driving load no longer turns its screw where
 the moment of friction about the axis reaches that of the normal force. Both limits depend on the
-direction of slip, which follows from geometry alone, so both are closed forms; with the flank angle
-α they tend to μ → cot α and μ → tan α.
+direction of slip. Where rollers have a lead it follows from geometry alone, and both are closed
+forms; with the flank angle α they tend to μ → cot α and μ → tan α. Rollers without lead slide as
+friction drives them: there the margins are those of the balanced motion.
 """
 
 import dataclasses
@@ -16,15 +17,17 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
+from ...contact import load_of
 from ...fields import Scalar
 from ...friction import Friction, scaled_friction
-from ...mechanism import Mechanism, Stage, require_type
+from ...mechanism import Mechanism, Stage
 from ...numerics import dot_few, find_root
 from ...programs import physics
-from .._kinematics import StageKinematics, travel_per_turn
+from .._kinematics import StageKinematics
 from ..friction import law_inputs_of, slip_direction, thread_friction, with_resistance
 from ._carrier_balance import free_slip, slip_per_turn
 from ._steady import JAMMED, SteadyState, some_load, steady_state
+from ._two_sliding_sides import two_sliding_sides
 
 
 def _unit(kinematics: StageKinematics):
@@ -85,29 +88,64 @@ def friction_needs_load(mechanism: Mechanism) -> bool:
     return any(law is not None and law.asks for law in laws)
 
 
+def friction_sets_motion(mechanism: Mechanism) -> bool:
+    """Whether the slip depends on friction: of rollers without lead, which have no closed form."""
+    families = [stage.thread.family for stage in mechanism.stages]
+    return not all(one.lead_is_fixed and one.carrying is not None for one in families)
+
+
 @physics("jamming")
 def jamming_margin(
     mechanism: Mechanism,
     kinematics: tuple[StageKinematics, ...],
     speed: Scalar,
     load: Scalar | None = None,
-) -> Scalar:
+) -> tuple[Scalar, Bool[Array, ""]]:
     """Remaining share of the axial balance's bracket, `1 − μ / μ_jam`, smallest of all stages.
 
     1 without friction; at 0 the driving screw jams. Finite and differentiable there and beyond.
+    Where friction also sets the motion (rollers without lead) it is the share of the axial part of
+    the normal force that carries load, at the motion in balance, smaller of both sides.
 
     **Arguments:**
 
     - `mechanism`, `kinematics`: the mechanism and its kinematics.
     - `speed`: screw speed, on which friction may depend [rad/s].
-    - `load`: on the last nut; needed only by laws that ask for it (`friction_needs_load`) [N].
+    - `load`: on the last nut; needed only by laws that ask for it (`friction_needs_load`), and by
+      rollers without lead [N].
+
+    **Returns:** the margin, and whether it was found: a closed form always is.
     """
-    require_type(mechanism.stages, "the jamming margin is", ("standard", "inverted"))
+    if friction_sets_motion(mechanism):
+        return _carrying_share(mechanism, kinematics, jnp.abs(speed), load)
     margins = []
     for stage, geometry in zip(mechanism.stages, kinematics, strict=True):
         friction = _effective_coefficient(stage, geometry, speed, load)
         margins.append(1 - friction / jamming_coefficient(geometry))
-    return functools.reduce(jnp.minimum, margins)
+    return functools.reduce(jnp.minimum, margins), jnp.asarray(True)
+
+
+def _carrying_share(
+    mechanism: Mechanism,
+    kinematics: tuple[StageKinematics, ...],
+    speed: Scalar,
+    load: Scalar | None,
+) -> tuple[Scalar, Bool[Array, ""]]:
+    """Load over the axial part of the normal forces of a driving screw, and if it was found."""
+    (stage,), (geometry,) = mechanism.stages, kinematics
+    load = some_load(jnp.abs(load_of(mechanism, load)))
+    axial = load / stage.present_roller_count
+    if stage.thread_law is None:
+        return jnp.ones_like(load), jnp.asarray(True)
+    if stage.thread.family.carrying is not None:
+        state = steady_state(mechanism, speed, load, kinematics)
+        assert state.code is not None
+        return axial / state.screw_roller_axial_force[0], state.code <= JAMMED
+    kinematics = with_resistance(mechanism.stages, kinematics)
+    sides = two_sliding_sides(stage, kinematics[0], speed, jnp.ones_like(load), load)
+    screw = -sides.screw.force * geometry.meshing.screw.normal[2]
+    nut = sides.nut.force * geometry.meshing.nut.normal[2]
+    return jnp.minimum(axial / screw, axial / nut), sides.converged
 
 
 def jams(
@@ -115,13 +153,11 @@ def jams(
 ) -> Bool[Array, ""]:
     """Whether the driving screw jams at a speed and under a load.
 
-    By the margin; rollers without lead have none, and there the steady state tells.
+    By the margin; where friction sets the motion the steady state tells with less work.
     """
-    laws = [stage.thread_law for stage in mechanism.stages]
-    families = [stage.thread.family for stage in mechanism.stages]
-    if all(one.lead_is_fixed and one.carrying is not None for one in families):
-        return jamming_margin(mechanism, kinematics, speed, load) <= 0
-    if any(law is None for law in laws):
+    if not friction_sets_motion(mechanism):
+        return jamming_margin(mechanism, kinematics, speed, load)[0] <= 0
+    if any(stage.thread_law is None for stage in mechanism.stages):
         return jnp.asarray(False)
     return steady_state(mechanism, speed, load, kinematics).code == JAMMED
 
@@ -155,30 +191,32 @@ def self_locking_margin(
     **Returns:** the margin, and whether the factor was found (it is not where friction does not
     grow enough to hold the load, or where so much friction puts the carriers out of balance).
     """
-    require_type(mechanism.stages, "the margin to self-locking is", ("standard", "inverted"))
-    if len(mechanism.stages) == 1 and _proportional_to_force(mechanism.stages[0].friction):
+    if (
+        len(mechanism.stages) == 1
+        and _proportional_to_force(mechanism.stages[0].friction)
+        and not friction_sets_motion(mechanism)
+    ):
         stage, geometry = mechanism.stages[0], kinematics[0]
         ratio = _effective_coefficient(stage, geometry, speed, load)
         ratio = ratio / locking_coefficient(geometry)
         return 1 - ratio, jnp.asarray(True)
     kinematics = tuple(dataclasses.replace(k, resistance=None) for k in kinematics)
     load, speed = some_load(jnp.abs(load)), jnp.abs(speed)
-    frictionless = load * travel_per_turn(mechanism.stages, len(mechanism.stages))
 
     def driven_back(logarithm: Scalar) -> SteadyState:
         moved = _scaled(mechanism, jnp.exp(logarithm))
         return steady_state(moved, -speed, load, kinematics, onset=-1.0)
 
-    def holding(logarithm: Scalar) -> Scalar:
-        """Torque of the load at the screw, relative to that without friction."""
-        return driven_back(logarithm).drive_torque / frictionless
+    def efficiency_at(logarithm: Scalar) -> Scalar:
+        return driven_back(logarithm).efficiency
 
-    # Torque against friction is nearly a hyperbola, 1 − s μ/μ_lock over 1 + s μ/μ_jam.
-    unscaled = holding(jnp.zeros_like(load))
-    start = jnp.log(jnp.clip(1 / jnp.clip(1 - unscaled, 1e-3, 1e3), 1e-2, 1e2))
+    # Efficiency against friction is nearly a hyperbola, 1 − s μ/μ_lock over 1 + s μ/μ_jam.
+    as_given = driven_back(jnp.zeros_like(load))
+    unscaled = as_given.efficiency
+    start = jnp.log(jnp.clip(1 / jnp.clip(1 - unscaled, 1e-6, 1e3), 1e-2, 1e6))
     accuracy = 1e-12 if start.dtype == jnp.float64 else 1e-5
-    logarithm, converged = find_root(holding, start, tolerance=accuracy, max_steps=40)
+    logarithm, converged = find_root(efficiency_at, start, tolerance=accuracy, max_steps=40)
     # Thread friction may not suffice to drive carriers whose losses have grown as well.
     converged = converged & driven_back(logarithm).computed
-    no_friction = jax.lax.stop_gradient(unscaled) >= 1
+    no_friction = (jax.lax.stop_gradient(unscaled) >= 1) & as_given.computed
     return jnp.where(no_friction, 1.0, 1 - jnp.exp(-logarithm)), converged | no_friction

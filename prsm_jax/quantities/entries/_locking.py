@@ -4,6 +4,7 @@ import jax.numpy as jnp
 
 from ...dynamics import (
     friction_needs_load,
+    friction_sets_motion,
     jamming_coefficient,
     jamming_margin as _jamming_margin,
     locking_coefficient,
@@ -20,8 +21,12 @@ from .._catalogue import quantity
     "1 − μ/μ_jam, smallest of all stages: 1 without friction; at 0 a driving screw jams",
 )
 def jamming_margin(analysis: Analysis):
-    load = analysis.load if friction_needs_load(analysis.mechanism) else None
-    return _jamming_margin(analysis.mechanism, analysis.kinematics, analysis.speed, load)
+    mechanism = analysis.mechanism
+    needs_load = friction_needs_load(mechanism) or friction_sets_motion(mechanism)
+    load = analysis.load if needs_load else None
+    margin, found = _jamming_margin(mechanism, analysis.kinematics, analysis.speed, load)
+    analysis.require(found)
+    return margin
 
 
 @quantity(

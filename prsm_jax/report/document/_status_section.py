@@ -23,11 +23,15 @@ _LABELS = {
     "jamming": "friction coefficient (jamming)",
     "self_locking": "efficiency when the load drives",
 }
+#: The same where the limit is a lower one: rollers without lead have no coefficient that jams.
+_LABELS_AT_LEAST = {"jamming": "share of the axial thread force that carries load"}
 
 
 def label_of(check: StrengthCheck) -> str:
     """What a check is called in a table."""
     words = _LABELS.get(check.name, readable(check.name))
+    if not check.at_most:
+        words = _LABELS_AT_LEAST.get(check.name, words)
     if "{}" in words:
         return words.format(check.subject)
     return f"{words}, {check.subject}" if check.subject else words

@@ -5,6 +5,7 @@ axial forces, and speeds from the balance of virtual power, none of it from the 
 """
 
 import dataclasses
+import functools
 
 import jax
 import jax.numpy as jnp
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 import scipy.optimize
 from hypothesis import given, settings, strategies as st
+from present import present
 from scenes import Swing, array, mesh, simulate, steady_state
 from type_motion import FREE, mechanism, slips_of
 
@@ -22,13 +24,18 @@ from prsm_jax.dynamics.forces import roller_support_forces
 from prsm_jax.mechanism import (
     ROLLER_SCREW_TYPES,
     Mechanism,
+    OperatingPoint,
 )
+from prsm_jax.quantities import compute_checked
 
 SPEED, LOAD = 100.0, 5000.0
+MARGINS = ("jamming_margin", "self_locking_margin")
 
 
 def reference(one, friction, sense=1.0):
-    """Carrier ratio, travel per radian and efficiency of threads alone, by virtual power.
+    """Carrier ratio, travel per radian, efficiency and jamming margin of threads alone.
+
+    By virtual power; the margin is the share of the normal force that carries axially.
 
     The power of friction and load does not change with the unknown speeds.
     """
@@ -68,7 +75,11 @@ def reference(one, friction, sense=1.0):
     loss = sum(friction * forces[side] * np.linalg.norm(slips[side]) for side in family.sliding)
     useful = abs(travel)
     efficiency = useful / (useful + loss) if sense > 0 else (useful - loss) / useful
-    return found.x[0], useful, efficiency
+    shares = [
+        1 / (forces[side] * abs(float(getattr(meshing, side).normal_parts[2])))
+        for side in family.sliding
+    ]
+    return found.x[0], useful, efficiency, min(shares)
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
@@ -77,7 +88,7 @@ def test_ratio_travel_and_efficiency_by_virtual_power(kind, sense):
     """To 1e-9: SciPy's finite differences end there."""
     one = mechanism(kind, friction=0.06, extra=False)
     found = steady_state(one, sense * SPEED, LOAD)
-    ratio, travel, efficiency = reference(one, 0.06, sense)
+    ratio, travel, efficiency, _ = reference(one, 0.06, sense)
     assert found.result_name == "successful"
     assert float(found.carrier_ratio[0]) == pytest.approx(ratio, rel=1e-9)
     assert float(found.efficiency) == pytest.approx(efficiency, rel=1e-9)
@@ -202,8 +213,100 @@ def test_what_is_not_known_names_the_type(kind):
     one = mechanism(kind)
     with pytest.raises(MissingDataError, match=f'all bodies .* not for type = "{kind}"'):
         prsm.dynamics.body_forces(one, steady_state(one, SPEED, LOAD))
-    with pytest.raises(MissingDataError, match=f'not for type = "{kind}"'):
-        prsm.compute(one, ["self_locking_margin"], speed=SPEED, load=LOAD)
+
+
+@functools.cache
+def _margins(kind):
+    """Both margins of a friction coefficient, and their derivatives in both modes."""
+    one = mechanism(kind, friction=0.06, extra=False)
+
+    def both(coefficient):
+        moved = prsm.set_parameter(one, "friction.thread.coefficient", coefficient)
+        values, valid = compute_checked(moved, MARGINS, speed=SPEED, load=LOAD)
+        return jnp.stack([values[name] for name in MARGINS]), valid
+
+    slopes = (jax.jit(way(lambda c: both(c)[0])) for way in (jax.jacfwd, jax.jacrev))
+    return jax.jit(both), *slopes
+
+
+@pytest.mark.parametrize("kind", FREE)
+def test_margins_of_jamming_and_self_locking_by_virtual_power(kind):
+    values, forward, reverse = _margins(kind)
+    one = mechanism(kind, friction=0.06, extra=False)
+    held = scipy.optimize.brentq(lambda f: reference(one, f, -1.0)[2], 0.7, 1.3, xtol=1e-14)
+    # Less friction does not hold the carriers of a differential one against the load.
+    for friction in (0.06, 0.5, 0.9):
+        (jamming, locking), valid = values(array(friction))
+        assert bool(valid)
+        # SciPy's finite differences end near 1e-9.
+        assert float(jamming) == pytest.approx(reference(one, friction)[3], rel=1e-8)
+        assert float(locking) == pytest.approx(1 - friction / held, rel=1e-8, abs=1e-9)
+        step = 1e-4 * friction
+        ends = [np.asarray(values(array(friction + h * step))[0]) for h in (-2, -1, 1, 2)]
+        difference = (8 * (ends[2] - ends[1]) - (ends[3] - ends[0])) / (12 * step)
+        for slope in (forward, reverse):
+            np.testing.assert_allclose(slope(array(friction)), difference, rtol=1e-7)
+    # Beyond both limits forces have no meaning, but an optimiser finds its way back.
+    beyond, valid = values(array(1.2))
+    assert bool(valid)
+    assert np.all(np.asarray(beyond) < -0.1)
+    for slope in (forward, reverse):
+        np.testing.assert_allclose(slope(array(1.2)), -1.0, rtol=0.02)
+
+
+@pytest.mark.parametrize("kind", FREE)
+def test_the_steady_state_changes_at_the_margins(kind):
+    values, _, _ = _margins(kind)
+
+    def zero_of(which):
+        # At the jam itself forces are infinite: the search ends beside it.
+        return scipy.optimize.brentq(
+            lambda f: float(values(array(f))[0][which]), 0.7, 1.3, xtol=1e-8, rtol=1e-8
+        )
+
+    def code(friction, speed):
+        one = mechanism(kind, friction=friction, extra=False)
+        return steady_state(one, speed, LOAD).result_name
+
+    held = zero_of(1)
+    assert code(held * (1 - 1e-6), -SPEED) == "successful"
+    assert code(held * (1 + 1e-6), -SPEED) == "self_locking"
+    if kind == "differential":
+        jam, near = zero_of(0), 1e-6
+    else:
+        # Between the jams of its two sides, near the cotangent of 45°, it has no balance.
+        jam, near = 1.0, 1e-2
+    assert code(jam * (1 - near), SPEED) == "successful"
+    assert code(jam * (1 + near), SPEED) == "jammed"
+
+
+@pytest.mark.parametrize("kind", FREE)
+def test_findings_of_jamming_and_self_locking(kind):
+    def findings(friction):
+        one = dataclasses.replace(
+            mechanism(kind, friction=friction, extra=False),
+            operating_point=OperatingPoint(speed=SPEED, load=LOAD),
+        )
+        found = {finding.name: finding for finding in prsm.check(one)}
+        return [found.get(name) for name in ("jamming", "self_locking")]
+
+    assert findings(0.06) == [None, None]
+    jamming, locking = (present(one) for one in findings(0.87))
+    assert (jamming.severity, locking.severity) == ("warning", "warning")
+    margin = reference(mechanism(kind, extra=False), 0.87)[3]
+    assert f"leaves {margin:.0%} of the axial part" in jamming.message
+    locking_margin = float(_margins(kind)[0](array(0.87))[0][1])
+    assert f"all friction, times {1 / (1 - locking_margin):.3g}, just holds" in locking.message
+    jamming, locking = (present(one) for one in findings(1.2))
+    assert (jamming.severity, locking.severity) == ("error", "note")
+    assert "screw jams" in jamming.message
+
+
+def test_without_friction_nothing_jams_and_the_load_drives_back():
+    one = mechanism("recirculating", extra=False)
+    free = dataclasses.replace(one, stages=(dataclasses.replace(one.stages[0], friction=None),))
+    values = prsm.compute(free, MARGINS, speed=SPEED, load=LOAD)
+    assert [float(values[name]) for name in MARGINS] == [1.0, 1.0]
 
 
 @pytest.mark.parametrize("kind", ["standard", "inverted", "differential"])
