@@ -6,6 +6,7 @@ axial forces, and speeds from the balance of virtual power, none of it from the 
 
 import dataclasses
 import functools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -233,7 +234,7 @@ def _margins(kind):
 def test_margins_of_jamming_and_self_locking_by_virtual_power(kind):
     values, forward, reverse = _margins(kind)
     one = mechanism(kind, friction=0.06, extra=False)
-    held = scipy.optimize.brentq(lambda f: reference(one, f, -1.0)[2], 0.7, 1.3, xtol=1e-14)
+    held: Any = scipy.optimize.brentq(lambda f: reference(one, f, -1.0)[2], 0.7, 1.3, xtol=1e-14)
     # Less friction does not hold the carriers of a differential one against the load.
     for friction in (0.06, 0.5, 0.9):
         (jamming, locking), valid = values(array(friction))
@@ -258,7 +259,7 @@ def test_margins_of_jamming_and_self_locking_by_virtual_power(kind):
 def test_the_steady_state_changes_at_the_margins(kind):
     values, _, _ = _margins(kind)
 
-    def zero_of(which):
+    def zero_of(which) -> Any:
         # At the jam itself forces are infinite: the search ends beside it.
         return scipy.optimize.brentq(
             lambda f: float(values(array(f))[0][which]), 0.7, 1.3, xtol=1e-8, rtol=1e-8

@@ -9,8 +9,10 @@ from truncation_scenes import screw_of_30_mm
 
 import prsm_jax as prsm
 from prsm_jax import strength
+from prsm_jax.findings import StrengthCheck
 from prsm_jax.mechanism import AxialPlay, DutyCycle
 from prsm_jax.report import ReportData, life_chart, shaft_limits_chart
+from prsm_jax.report.document._status_section import label_of, limit_text
 from prsm_jax.report.document._strength_section import _strength_pictures, strength_section
 from prsm_jax.report.interactive import shaft_limit_curves
 from prsm_jax.strength import (
@@ -163,3 +165,13 @@ def test_the_life_in_a_report_is_drawn_with_the_preload(actuator):
     assert drawn(preloaded, {"dynamic_capacity": capacity[None]}) == []
     (alone,) = drawn(actuator, values)
     assert "preload" not in alone.caption
+
+
+def test_jamming_is_a_coefficient_or_a_share_of_force():
+    """Of rollers without lead no coefficient jams: the share is limited from below."""
+    upper = StrengthCheck("jamming", 1, 0.05, 0.7, "1", True, 0.6, "1", "pass")
+    lower = StrengthCheck("jamming", 1, 0.9, 0.3, "1", False, 0.6, "1", "pass")
+    assert label_of(upper) == "friction coefficient (jamming)"
+    assert limit_text(upper) == "at most 0.7000"
+    assert label_of(lower) == "share of the axial thread force that carries load"
+    assert limit_text(lower) == "at least 0.3000"
