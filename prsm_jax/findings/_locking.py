@@ -16,6 +16,7 @@ from ..dynamics import (
     steady_state,
 )
 from ..fields import Scalar
+from ..geometry import Severity
 from ..mechanism import Mechanism
 from ..quantities import Analysis
 from ._margin import Margin, Reading, margin_source
@@ -45,7 +46,7 @@ def _jamming(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         return jamming_margin(single, (geometry,), jnp.abs(analysis.speed), load)[0]
 
     turning = mechanism.stages[index].thread.family.turning
-    levels = (("error", 0.0), ("warning", _SCATTER))
+    levels: tuple[tuple[Severity, float], ...] = (("error", 0.0), ("warning", _SCATTER))
     if friction_sets_motion(mechanism):
 
         def of_share(r: Reading) -> str:

@@ -262,7 +262,7 @@ def test_the_steady_state_changes_at_the_margins(kind):
     def zero_of(which) -> Any:
         # At the jam itself forces are infinite: the search ends beside it.
         return scipy.optimize.brentq(
-            lambda f: float(values(array(f))[0][which]), 0.7, 1.3, xtol=1e-8, rtol=1e-8
+            lambda f: float(values(array(f))[0][which]), 0.7, 1.3, xtol=1e-8
         )
 
     def code(friction, speed):
