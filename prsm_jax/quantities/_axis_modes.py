@@ -84,6 +84,7 @@ def axis_spatial_system(analysis: Analysis, motor_held: bool = False) -> Spatial
                 analysis.kinematics[0].meshing,
                 axis=axis,
                 motor_held=motor_held,
+                tilt=axis.tilt,
             )
         except ValueError as error:
             # A quantity that a mechanism cannot have is left out, like one without data.

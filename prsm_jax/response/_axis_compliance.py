@@ -65,7 +65,7 @@ def axis_compliance(
     load: float | Scalar | None = None,
     damping: AnyDamping | AsGiven | None = "given",
     sticking: bool = True,
-    tilt: bool = False,
+    tilt: bool | None = None,
 ) -> AxisCompliance:
     """Displacement per harmonic force at nut, load and motor, all bodies moving in space.
 

@@ -38,6 +38,7 @@ from ..vibration import (
     spatial_harmonic_network,
     spatial_network,
     thread_spread,
+    tilts,
 )
 
 #: Names of the dashpots of a contact, along the slip and across it.
@@ -179,7 +180,7 @@ def creep_friction(
     stage: int = 1,
     speed: float | Scalar | None = None,
     load: float | Scalar | None = None,
-    tilt: bool = False,
+    tilt: bool | None = None,
 ) -> CreepFriction:
     """Damping of small vibration by the sliding contacts of one stage at an operating point.
 
@@ -192,7 +193,7 @@ def creep_friction(
     - `stage`: which stage, counted from 1.
     - `speed`: screw speed [rad/s]; default that of the operating point.
     - `load`: axial load [N]; default that of the operating point.
-    - `tilt`: whether bodies also tilt; needs the number of engaged threads.
+    - `tilt`: whether bodies also tilt, as in `spatial_modal`; needs the number of engaged threads.
 
     **Raises:** `MissingDataError` if speed, load or the friction of the threads is not given, or
     for a recirculating roller screw, whose rollers slide on two bodies; `ValueError` for a stage
@@ -201,7 +202,8 @@ def creep_friction(
     chosen = stage_at(mechanism, stage)
     sliding = sliding_contact(mechanism, stage, speed, load)
     slip, coefficient, along, across, slides = _dampings(sliding)
-    spread = thread_spread(chosen) if tilt else None
+    tilting = tilts(mechanism, tilt)
+    spread = thread_spread(chosen) if tilting else None
     dashpots = creep_dashpots(chosen.thread, sliding, along, across, spread)
     resistance = sliding.law.viscous_resistance
     friction = coefficient * sliding.force
@@ -214,7 +216,7 @@ def creep_friction(
         damping_across_slip=across,
         power=friction * slip,
         along=jnp.stack(dashpots[0].central[:3]),
-        across=jnp.stack(dashpots[2 if tilt else 1].central[:3]),
+        across=jnp.stack(dashpots[2 if tilting else 1].central[:3]),
         slides=slides,
         valid=sliding.valid,
         dashpots=dashpots,

@@ -114,7 +114,7 @@ def spatial_damping(
     sticking: bool = True,
     shapes: bool = False,
     motor_held: bool = False,
-    tilt: bool = False,
+    tilt: bool | None = None,
 ) -> SpatialDamping:
     """Damping ratios of the modes of `spatial_modal` by friction of the threads that slide.
 

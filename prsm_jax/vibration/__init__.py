@@ -84,4 +84,5 @@ from .spatial import (
     static_compliance as static_compliance,
     strain_in_words as strain_in_words,
     thread_spread as thread_spread,
+    tilts as tilts,
 )

@@ -1,5 +1,6 @@
 """The verb modal: natural frequencies, mode shapes, and frequencies against a parameter."""
 
+import dataclasses
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,6 +21,7 @@ from ...vibration import (
     modal as run_modal,
     spatial_modal as run_spatial_modal,
     strain_in_words,
+    tilts,
 )
 from .._app import app
 from .._assumed import VIBRATION
@@ -238,7 +240,11 @@ def _spatial(
             "first_axial_frequency,antiresonance_frequency"
         )
     expect_programs("spatial_modal")
-    found = Spatial(mechanism, stage, tilt)
+    axis = mechanism.axis
+    if tilt and axis is not None:
+        # Numbers of the axis and pictures are those of the file: it says that bodies tilt.
+        mechanism = dataclasses.replace(mechanism, axis=dataclasses.replace(axis, tilt=True))
+    found = Spatial(mechanism, stage, tilts(mechanism, True if tilt else None))
     results = spatial_results(found, shapes)
     written: tuple[Path, ...] = ()
     if common.out is not None:

@@ -10,6 +10,7 @@ from ...fields import (
     Limited,
     Number,
     OptionalNumber,
+    choice,
     number,
     optional_number,
     part,
@@ -90,6 +91,11 @@ class Axis(Limited):
     )
     shaft: AxisShaft | None = part("the screw is rigid between its thrust bearing and the nut")
     load: AxisLoad | None = part("nothing moves along the axis but the mechanism's own parts")
+    tilt: bool = choice(
+        "whether screw, nut and rollers also tilt where bodies move in space; needs their lengths "
+        "and the number of engaged threads",
+        default=False,
+    )
 
 
 __all__ = ["Axis", "AxisLoad", "AxisShaft", "FarBearing", "Motor", "PositionController"]

@@ -23,6 +23,7 @@ from ._network import (
 from ._spatial_modal import (
     spatial_modal as spatial_modal,
     stage_spatial_system as stage_spatial_system,
+    tilts as tilts,
 )
 from ._spring_words import strain_in_words as strain_in_words
 from ._springs import (

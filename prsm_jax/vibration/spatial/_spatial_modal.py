@@ -12,6 +12,13 @@ from ._modes import SpatialModes, spatial_modes
 from ._system import SpatialSystem, spatial_system
 
 
+def tilts(mechanism: Mechanism, tilt: bool | None) -> bool:
+    """Whether bodies tilt: as given, or as the axis says."""
+    if tilt is not None:
+        return tilt
+    return mechanism.axis is not None and mechanism.axis.tilt
+
+
 def stage_spatial_system(
     mechanism: Mechanism,
     stage: int = 1,
@@ -20,7 +27,7 @@ def stage_spatial_system(
     sticking: bool = True,
     standstill: bool = False,
     motor_held: bool = False,
-    tilt: bool = False,
+    tilt: bool | None = None,
 ) -> SpatialSystem:
     """Masses and springs in space of one stage of a mechanism, and of the axis around it.
 
@@ -41,7 +48,7 @@ def stage_spatial_system(
         standstill=standstill,
         axis=mechanism.axis,
         motor_held=motor_held,
-        tilt=tilt,
+        tilt=tilts(mechanism, tilt),
     )
 
 
@@ -57,7 +64,7 @@ def spatial_modal(
     standstill: bool = False,
     shapes: bool = False,
     motor_held: bool = False,
-    tilt: bool = False,
+    tilt: bool | None = None,
 ) -> SpatialModes:
     """Natural frequencies and families of one stage whose bodies move in space.
 
@@ -88,8 +95,9 @@ def spatial_modal(
     - `shapes`: also give mass-normalised mode shapes and energy shares.
     - `motor_held`: whether the rotor of the axis' motor does not turn. The frequencies of the group
       `axial_torsional` are then the anti-resonances at the motor.
-    - `tilt`: whether screw, nut and rollers also tilt (see `spatial_system`); needs their lengths,
-      and the number of engaged threads.
+    - `tilt`: whether screw, nut and rollers also tilt (see `spatial_system`); default as
+      `axis.tilt` says, and not without an axis. It needs their lengths, and the number of engaged
+      threads.
 
     **Raises:** `MissingDataError` if data are missing; `ValueError` for a stage that does not
     exist, fewer than 3 or unequal rollers, supports that differ in x and y, a motor that is to be

@@ -24,6 +24,7 @@ from tilt_assembly import of_coordinates, rigid_bodies, tilting_stage, with_tilt
 
 import prsm_jax as prsm
 from prsm_jax.mechanism import Support, body_mass, tilting_inertia
+from prsm_jax.response import axis_compliance
 from prsm_jax.stiffness import ThreadStiffness
 
 
@@ -190,3 +191,25 @@ def test_tilting_rollers_lower_the_first_transverse_mode_of_the_actuator():
     first = [values[values > 1.0][0] for values in lowest]
     # More freedom never raises the lowest frequency of the same springs (Rayleigh).
     assert first[1] < 0.6 * first[0]
+
+
+def test_the_file_says_that_bodies_tilt_for_all_that_is_computed():
+    """Modes, quantities, compliance; and an argument overrides it."""
+    one = example("actuator_axis")
+    tilting = dataclasses.replace(one, axis=dataclasses.replace(present(one.axis), tilt=True))
+    modes = prsm.spatial_modal(tilting, shapes=True)
+    expected = prsm.spatial_modal(one, tilt=True)
+    for found, group in zip(modes.groups, expected.groups, strict=True):
+        np.testing.assert_array_equal(found.frequencies, group.frequencies)
+    axial = next(mode for mode in modes.elastic_modes() if mode.family == "axial")
+    names = ["first_axial_frequency", "servo_stiffness"]
+    numbers, rigid = (prsm.compute(which, names) for which in (tilting, one))
+    assert float(numbers["first_axial_frequency"]) == pytest.approx(axial.frequency, rel=1e-12)
+    # A mechanism with more freedoms is softer.
+    assert float(numbers["servo_stiffness"]) < float(rigid["servo_stiffness"]) * (1 - 1e-6)
+    assert len(prsm.spatial_modal(tilting, tilt=False).groups[0].frequencies) < len(
+        modes.groups[0].frequencies
+    )
+    compliance = axis_compliance(tilting, np.array([60.0]), damping=None)
+    same = axis_compliance(one, np.array([60.0]), damping=None, tilt=True)
+    np.testing.assert_array_equal(compliance.nut, same.nut)
