@@ -29,20 +29,25 @@ class LockStep:
     def ask(self, index: int, position: np.ndarray) -> tuple[np.ndarray, ...]:
         """What the answer says of one position; waits for the other searches."""
         with self._condition:
+            self._end_if_failed()
             self._positions[index] = position
             self._asked += 1
             call = self.calls
             self._answer_when_all_asked()
             # The next call waits for this search, so the results stay until they are read.
             self._condition.wait_for(lambda: self.calls > call)
-            if self._failure is not None:
-                raise RuntimeError("the common evaluation failed") from self._failure
+            self._end_if_failed()
             return tuple(np.array(result[index]) for result in self._results)
 
-    def leave(self) -> None:
-        """A search has ended: the others no longer wait for it."""
+    def _end_if_failed(self) -> None:
+        if self._failure is not None:
+            raise RuntimeError("the common evaluation or another search failed") from self._failure
+
+    def leave(self, failure: BaseException | None = None) -> None:
+        """A search has ended: the others no longer wait for it, and end too if it failed."""
         with self._condition:
             self._running -= 1
+            self._failure = self._failure or failure
             self._answer_when_all_asked()
 
     def _answer_when_all_asked(self) -> None:
@@ -75,9 +80,12 @@ def searched_together(
 
     def run(index: int) -> Any:
         try:
-            return search(index, lambda position: shared.ask(index, position))
-        finally:
-            shared.leave()
+            found = search(index, lambda position: shared.ask(index, position))
+        except BaseException as error:
+            shared.leave(error)
+            raise
+        shared.leave()
+        return found
 
     with ThreadPoolExecutor(max_workers=len(positions)) as pool:
         # `pool.map` would cancel searches that have not begun when one fails; the others would then

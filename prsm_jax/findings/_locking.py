@@ -1,5 +1,6 @@
 """Margins of friction: can the screw move the load, and can the load turn the screw?"""
 
+import math
 from collections.abc import Iterator
 
 import equinox as eqx
@@ -102,7 +103,10 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
     def limit_of(r: Reading) -> str:
         if free:
-            return f"all friction, times {r.details['factor']:.3g}, just holds the load"
+            factor = r.details["factor"]
+            if not math.isfinite(factor):
+                return "the limit is not known"
+            return f"all friction multiplied by {factor:.3g} would just hold the load"
         coefficient = r.details["limit"]
         where = f"above a friction coefficient of {coefficient:.3g}"
         return f"thread friction alone is self-locking {where}"
@@ -123,10 +127,10 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     def details(analysis: Analysis) -> dict[str, Scalar]:
         if not free:
             return {"limit": locking_coefficient(analysis.kinematics[0])}
-        margin, _ = self_locking_margin(
+        margin, known = self_locking_margin(
             analysis.mechanism, analysis.kinematics, analysis.speed, analysis.load
         )
-        return {"factor": 1 / (1 - margin)}
+        return {"factor": jnp.where(known, 1 / (1 - margin), jnp.nan)}
 
     yield Margin(
         "self_locking",

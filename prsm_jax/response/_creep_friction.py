@@ -89,7 +89,14 @@ class CreepFriction(Result):
         - `system`: masses and springs of the same stage.
         - `harmonic`: reduced to a harmonic of the rollers (`spatial_harmonic_network`); default
           the whole stage.
+
+        **Raises:** `ValueError` if bodies tilt in one of them only.
         """
+        if (system.roller_tilt_mass is None) != (self.dashpots[0].roller_tilt is None):
+            raise ValueError(
+                "bodies tilt in the springs or in the dashpots only; give the same tilt to "
+                "stage_spatial_system and creep_friction"
+            )
         damped = dataclasses.replace(system, springs=self.dashpots)
         whole = (
             spatial_network(damped)

@@ -83,7 +83,7 @@ def test_a_search_that_fails_does_not_hold_up_the_others(monkeypatch):
 
     def search(index, ask):
         if index == 0:
-            asked.wait()
+            assert asked.wait(10)
             raise ValueError("one search")
         asked.set()
         return ask(np.ones(1))

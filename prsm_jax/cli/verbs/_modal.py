@@ -185,7 +185,7 @@ def modal(
             raise PrsmError(f"{', '.join(given)}: not with --spatial, which draws no such pictures")
         return _spatial(file, mechanism, stage, shapes, against, tilt, common)
     if tilt:
-        raise PrsmError("--tilt: give --spatial too; without it no body moves along the axis")
+        raise PrsmError("--tilt: give --spatial too; only the model in space has tilts")
     if against is None and (first is not None or last is not None):
         raise PrsmError("--from and --to: give the name of their number with --against")
     values = None if against is None else _values(mechanism, against, first, last, points)

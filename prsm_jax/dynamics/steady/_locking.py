@@ -25,7 +25,7 @@ from ...numerics import dot_few, find_root
 from ...programs import physics
 from .._kinematics import StageKinematics
 from ..friction import law_inputs_of, slip_direction, thread_friction, with_resistance
-from ._carrier_balance import free_slip, slip_per_turn
+from ._carrier_balance import balanced_carrier_ratio, free_slip, slip_per_turn
 from ._steady import JAMMED, SteadyState, some_load, steady_state
 from ._two_sliding_sides import two_sliding_sides
 
@@ -104,8 +104,9 @@ def jamming_margin(
     """Remaining share of the axial balance's bracket, `1 − μ / μ_jam`, smallest of all stages.
 
     1 without friction; at 0 the driving screw jams. Finite and differentiable there and beyond.
-    Where friction also sets the motion (rollers without lead) it is the share of the axial part of
-    the normal force that carries load, at the motion in balance, smaller of both sides.
+    Where friction also sets the motion (rollers without lead) it is that share at the motion in
+    balance, smaller of screw and nut; a recirculating roller screw has no balance between the jams
+    of its two sides.
 
     **Arguments:**
 
@@ -131,21 +132,19 @@ def _carrying_share(
     speed: Scalar,
     load: Scalar | None,
 ) -> tuple[Scalar, Bool[Array, ""]]:
-    """Load over the axial part of the normal forces of a driving screw, and if it was found."""
-    (stage,), (geometry,) = mechanism.stages, kinematics
+    """Share of the axial normal force that friction leaves, and whether motion is in balance."""
+    (stage,), (geometry,) = mechanism.stages, with_resistance(mechanism.stages, kinematics)
     load = some_load(jnp.abs(load_of(mechanism, load)))
-    axial = load / stage.present_roller_count
+    sense, meshed = jnp.ones_like(load), geometry.meshing.converged
     if stage.thread_law is None:
-        return jnp.ones_like(load), jnp.asarray(True)
-    if stage.thread.family.carrying is not None:
-        state = steady_state(mechanism, speed, load, kinematics)
-        assert state.code is not None
-        return axial / state.screw_roller_axial_force[0], state.code <= JAMMED
-    kinematics = with_resistance(mechanism.stages, kinematics)
-    sides = two_sliding_sides(stage, kinematics[0], speed, jnp.ones_like(load), load)
-    screw = -sides.screw.force * geometry.meshing.screw.normal[2]
-    nut = sides.nut.force * geometry.meshing.nut.normal[2]
-    return jnp.minimum(axial / screw, axial / nut), sides.converged
+        return sense, meshed
+    if stage.thread.family.carrying is None:
+        sides = two_sliding_sides(stage, geometry, speed, sense, load)
+        return jnp.minimum(sides.screw.share, sides.nut.share), sides.converged & meshed
+    balance = balanced_carrier_ratio(stage, geometry, sense, speed, load)
+    assert balance.contact is not None
+    share = 1 + balance.contact.per_force[2] / geometry.sliding.normal[2]
+    return share, balance.converged & meshed
 
 
 def jams(
@@ -200,8 +199,10 @@ def self_locking_margin(
         ratio = _effective_coefficient(stage, geometry, speed, load)
         ratio = ratio / locking_coefficient(geometry)
         return 1 - ratio, jnp.asarray(True)
-    kinematics = tuple(dataclasses.replace(k, resistance=None) for k in kinematics)
     load, speed = some_load(jnp.abs(load)), jnp.abs(speed)
+    if all(stage.friction is None for stage in mechanism.stages):
+        return jnp.ones_like(load), jnp.asarray(True)
+    kinematics = tuple(dataclasses.replace(k, resistance=None) for k in kinematics)
 
     def driven_back(logarithm: Scalar) -> SteadyState:
         moved = _scaled(mechanism, jnp.exp(logarithm))
@@ -218,5 +219,6 @@ def self_locking_margin(
     logarithm, converged = find_root(efficiency_at, start, tolerance=accuracy, max_steps=40)
     # Thread friction may not suffice to drive carriers whose losses have grown as well.
     converged = converged & driven_back(logarithm).computed
-    no_friction = (jax.lax.stop_gradient(unscaled) >= 1) & as_given.computed
+    rounding = 10 * jnp.finfo(start.dtype).eps
+    no_friction = (jax.lax.stop_gradient(unscaled) >= 1 - rounding) & as_given.computed
     return jnp.where(no_friction, 1.0, 1 - jnp.exp(-logarithm)), converged | no_friction

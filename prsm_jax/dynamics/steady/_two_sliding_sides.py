@@ -40,6 +40,9 @@ class SlidingSide(NamedTuple):
     force: Scalar
     friction: Float[Array, "3"]
     on_roller: Float[Array, "3"]
+    #: Axial part of normal force and of the friction in proportion to it, over the normal force
+    #: and over its axial part [1]: 1 without such friction, 0 where the contact jams.
+    share: Scalar
 
 
 class TwoSides(NamedTuple):
@@ -101,9 +104,11 @@ def sliding_side(
     """
     velocity, direction = speed * turn, sense * slip_direction(turn)
     per_force, constant = thread_friction(law, velocity, direction)
-    force = (axial - constant[2]) / (slips.normal[2] + per_force[2])
+    share = 1 + per_force[2] / slips.normal[2]
+    force = (axial - constant[2]) / (slips.normal[2] * share)
     friction = force * per_force + constant
-    return SlidingSide(velocity, direction, force, friction, force * slips.normal + friction)
+    on_roller = force * slips.normal + friction
+    return SlidingSide(velocity, direction, force, friction, on_roller, share)
 
 
 def check_losses(stage: Stage) -> None:

@@ -43,7 +43,10 @@ class Support(Limited):
         "N/m", "axial stiffness: of the screw's thrust bearing, or of the nut's mounting"
     )
     tilting_stiffness: OptionalNumber = optional_number(
-        "N·m/rad", "moment per tilt about x or y at the middle of the nut, where bodies tilt"
+        "N·m/rad",
+        "moment per tilt about x or y at the middle of the nut, where bodies tilt; that of ring "
+        "gear and carriers adds to the body with which they tilt",
+        limit=NOT_NEGATIVE,
     )
 
     def __check_init__(self) -> None:

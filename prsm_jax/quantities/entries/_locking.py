@@ -10,8 +10,12 @@ from ...dynamics import (
     locking_coefficient,
     self_locking_margin as _self_locking_margin,
 )
+from ...mechanism import require_type
 from .._analysis import Analysis
 from .._catalogue import quantity
+
+#: Types whose slip does not depend on friction.
+_WITH_LEAD = ("standard", "inverted")
 
 
 @quantity(
@@ -52,6 +56,7 @@ def self_locking_margin(analysis: Analysis):
     ("stage",),
 )
 def critical_friction_coefficient(analysis: Analysis):
+    require_type(analysis.mechanism.stages, "a friction coefficient that locks is", _WITH_LEAD)
     return jnp.stack([locking_coefficient(geometry) for geometry in analysis.kinematics])
 
 
@@ -63,4 +68,5 @@ def critical_friction_coefficient(analysis: Analysis):
     ("stage",),
 )
 def jamming_friction_coefficient(analysis: Analysis):
+    require_type(analysis.mechanism.stages, "a friction coefficient that jams is", _WITH_LEAD)
     return jnp.stack([jamming_coefficient(geometry) for geometry in analysis.kinematics])

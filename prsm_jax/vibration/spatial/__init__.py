@@ -31,7 +31,6 @@ from ._springs import (
     contact_places as contact_places,
     contact_spring as contact_spring,
     contact_springs as contact_springs,
-    spread_spring as spread_spring,
     tangential_ratio as tangential_ratio,
 )
 from ._statics import static_compliance as static_compliance

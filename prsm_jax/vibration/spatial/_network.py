@@ -106,9 +106,10 @@ def _roller_mass(system: SpatialSystem, direction: str) -> Scalar:
 
 def _of_roller(system: SpatialSystem, spring: RollerSpring) -> list[tuple[str, Scalar]]:
     """Elongation of a spring per unit of each direction of its roller."""
-    tilt = spring.roller_tilt
-    values = spring.roller if tilt is None else (*spring.roller, *tilt)
-    return list(zip(_roller_directions(system), values, strict=False))
+    parts = list(zip(ROLLER_DIRECTIONS, spring.roller, strict=True))
+    if spring.roller_tilt is not None:
+        parts += zip(_ROLLER_TILTS, spring.roller_tilt, strict=True)
+    return parts
 
 
 @physics("spatial_dense_assembly")

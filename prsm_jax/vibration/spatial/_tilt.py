@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from ..._errors import MissingDataError
 from ...fields import Scalar
 from ...mechanism import Side, Stage, body_inertia, body_mass, tilting_inertia
+from ...numerics import root_or_zero
 from ._bodies import SpatialBody, nominal_radius, supports
 
 #: Both carriers where they move in opposite directions, each in its own plane.
@@ -18,6 +19,8 @@ OPPOSITE_CARRIERS = "opposite_carriers"
 
 def thread_spread(stage: Stage) -> Scalar:
     """Root mean square distance of n engaged threads from their middle, p √((n² − 1)/12) [m].
+
+    0 for a single thread.
 
     **Raises:** `MissingDataError` if their number is not known.
     """
@@ -28,7 +31,8 @@ def thread_spread(stage: Stage) -> Scalar:
             "the tilt of rollers needs the number of their threads in contact; give "
             "stage.engaged_threads, or stage.load_sharing.thread_count"
         )
-    return stage.thread.pitch * jnp.sqrt((count**2 - 1) / 12)
+    square = jnp.maximum((jnp.asarray(count) ** 2 - 1.0) / 12, 0.0)
+    return stage.thread.pitch * root_or_zero(square)
 
 
 def pin_distance(stage: Stage) -> Scalar:

@@ -22,6 +22,7 @@ import prsm_jax as prsm
 from prsm_jax._errors import MissingDataError
 from prsm_jax.dynamics import all_kinematics, states_at
 from prsm_jax.dynamics.forces import roller_support_forces
+from prsm_jax.friction import Friction, StribeckFriction, ViscousFriction
 from prsm_jax.mechanism import (
     ROLLER_SCREW_TYPES,
     Mechanism,
@@ -277,6 +278,7 @@ def test_the_steady_state_changes_at_the_margins(kind):
     else:
         # Between the jams of its two sides, near the cotangent of 45°, it has no balance.
         jam, near = 1.0, 1e-2
+        assert float(values(array(jam - near))[0][0]) > 0 > float(values(array(jam + near))[0][0])
     assert code(jam * (1 - near), SPEED) == "successful"
     assert code(jam * (1 + near), SPEED) == "jammed"
 
@@ -297,17 +299,53 @@ def test_findings_of_jamming_and_self_locking(kind):
     margin = reference(mechanism(kind, extra=False), 0.87)[3]
     assert f"leaves {margin:.0%} of the axial part" in jamming.message
     locking_margin = float(_margins(kind)[0](array(0.87))[0][1])
-    assert f"all friction, times {1 / (1 - locking_margin):.3g}, just holds" in locking.message
+    factor = 1 / (1 - locking_margin)
+    assert f"all friction multiplied by {factor:.3g} would just hold" in locking.message
     jamming, locking = (present(one) for one in findings(1.2))
     assert (jamming.severity, locking.severity) == ("error", "note")
     assert "screw jams" in jamming.message
 
 
-def test_without_friction_nothing_jams_and_the_load_drives_back():
-    one = mechanism("recirculating", extra=False)
-    free = dataclasses.replace(one, stages=(dataclasses.replace(one.stages[0], friction=None),))
+def _with_friction(one, friction):
+    return dataclasses.replace(one, stages=(dataclasses.replace(one.stages[0], friction=friction),))
+
+
+@pytest.mark.parametrize("helix", [1.0, 4.0, 9.0])
+def test_without_friction_nothing_jams_and_the_load_drives_back(helix):
+    free = _with_friction(mechanism("recirculating", helix=helix, extra=False), None)
     values = prsm.compute(free, MARGINS, speed=SPEED, load=LOAD)
     assert [float(values[name]) for name in MARGINS] == [1.0, 1.0]
+
+
+@pytest.mark.parametrize("kind", FREE)
+@pytest.mark.parametrize("load", [LOAD, 0.0])
+def test_friction_that_does_not_grow_with_the_load_never_jams(kind, load):
+    """Also with a Stribeck law: only its part in proportion to the normal force counts."""
+    one = mechanism(kind, extra=False)
+    viscous = _with_friction(one, Friction(thread=ViscousFriction(30.0)))
+    if kind == "recirculating":
+        margin = prsm.compute(viscous, ["jamming_margin"], speed=SPEED, load=load)
+        assert float(margin["jamming_margin"]) == 1.0
+    law = StribeckFriction(0.06, 0.06, 0.3, viscous_coefficient=20.0)
+    mixed, plain = (
+        prsm.compute(which, ["jamming_margin"], speed=SPEED, load=load)["jamming_margin"]
+        for which in (_with_friction(one, Friction(thread=law)), one)
+    )
+    # The viscous part moves the carriers a little.
+    assert float(mixed) == pytest.approx(float(plain), rel=0.05)
+
+
+def test_too_little_friction_has_no_margin_and_says_so():
+    """It does not hold the carriers of a differential one against the load."""
+    _, valid = _margins("differential")[0](array(1e-3))
+    assert not bool(valid)
+
+
+@pytest.mark.parametrize("kind", FREE)
+def test_no_coefficient_of_rollers_without_lead_jams_or_locks(kind):
+    for name in ("critical_friction_coefficient", "jamming_friction_coefficient"):
+        with pytest.raises(MissingDataError, match=f'not for type = "{kind}"'):
+            prsm.compute(mechanism(kind, extra=False), [name], speed=SPEED, load=LOAD)
 
 
 @pytest.mark.parametrize("kind", ["standard", "inverted", "differential"])

@@ -3,6 +3,7 @@
 import dataclasses
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ import prsm_jax as prsm
 from prsm_jax.mechanism import Support, body_mass, tilting_inertia
 from prsm_jax.response import axis_compliance
 from prsm_jax.stiffness import ThreadStiffness
+from prsm_jax.vibration import thread_spread
 
 
 def tilted(stage, threads=THREADS, **options):
@@ -173,6 +175,21 @@ def test_what_a_tilt_needs_is_named(change, error, words):
         prsm.spatial_modal(one, tilt=True)
 
 
+def test_a_single_thread_has_no_extent():
+    one = dataclasses.replace(tilting_stage(), engaged_threads=jnp.asarray(1.0))
+
+    def spread(count):
+        return thread_spread(eqx.tree_at(lambda s: s.engaged_threads, one, count))
+
+    value, slope = jax.value_and_grad(spread)(jnp.asarray(1.0))
+    assert (float(value), float(slope)) == (0.0, 0.0)
+
+
+def test_a_negative_tilting_stiffness_is_refused():
+    with pytest.raises(ValueError, match="tilting_stiffness"):
+        Support(tilting_stiffness=-1.0)
+
+
 def test_pins_hold_a_roller_against_a_tilt_by_themselves():
     with pytest.raises(ValueError, match=r"roller\.support has tilting_stiffness"):
         dataclasses.replace(
@@ -181,7 +198,7 @@ def test_pins_hold_a_roller_against_a_tilt_by_themselves():
 
 
 def test_tilting_rollers_lower_the_first_transverse_mode_of_the_actuator():
-    """Its nut is held by nothing; tilts of rollers on their threads are softer than bending."""
+    """Nothing but its threads holds the nut against a tilt on the screw."""
     one = example("actuator")
     run = eqx.filter_jit(prsm.spatial_modal)
     plain, tilting = run(one), run(one, tilt=True)
