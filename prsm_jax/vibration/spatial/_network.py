@@ -106,7 +106,7 @@ def _roller_mass(system: SpatialSystem, direction: str) -> Scalar:
 
 def _of_roller(system: SpatialSystem, spring: RollerSpring) -> list[tuple[str, Scalar]]:
     """Elongation of a spring per unit of each direction of its roller."""
-    parts = list(zip(ROLLER_DIRECTIONS, spring.roller, strict=True))
+    parts: list[tuple[str, Scalar]] = [*zip(ROLLER_DIRECTIONS, spring.roller, strict=True)]
     if spring.roller_tilt is not None:
         parts += zip(_ROLLER_TILTS, spring.roller_tilt, strict=True)
     return parts
