@@ -114,3 +114,13 @@ def frequencies_of(stiffness, rows, mass):
 def number(value):
     """A number of a mechanism that must be present, as a plain float."""
     return float(present(value))
+
+
+def assert_shapes_solve(found, network):
+    """Shapes of all degrees of freedom are orthonormal and solve K φ = ω² M φ."""
+    values = (2 * np.pi * np.asarray(found.frequencies)) ** 2
+    shapes, mass = np.asarray(found.shapes), np.asarray(network.mass)
+    np.testing.assert_allclose(shapes.T @ (mass[:, None] * shapes), np.eye(len(mass)), atol=1e-12)
+    force = np.asarray(network.stiffness_matrix()) @ shapes
+    size = np.abs(values * mass[:, None] * shapes).max()
+    np.testing.assert_allclose(force, values * mass[:, None] * shapes, atol=1e-12 * size)

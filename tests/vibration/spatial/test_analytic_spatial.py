@@ -11,6 +11,7 @@ from scenes import example
 from spatial_assembly import assembled, assert_assembled
 from spatial_scenes import (
     THREADS,
+    assert_shapes_solve,
     free_stage,
     frequencies_of,
     held_stage,
@@ -53,12 +54,7 @@ def held():
 
 def test_shapes_of_the_whole_stage_solve_its_equations(held):
     network = network_of(held_system())
-    values = (2 * np.pi * np.asarray(held.frequencies)) ** 2
-    shapes, mass = np.asarray(held.shapes), np.asarray(network.mass)
-    np.testing.assert_allclose(shapes.T @ (mass[:, None] * shapes), np.eye(len(mass)), atol=1e-12)
-    force = np.asarray(network.stiffness_matrix()) @ shapes
-    size = np.abs(values * mass[:, None] * shapes).max()
-    np.testing.assert_allclose(force, values * mass[:, None] * shapes, atol=1e-12 * size)
+    assert_shapes_solve(held, network)
 
 
 def test_families_follow_from_the_harmonics_and_the_axial_share(held):

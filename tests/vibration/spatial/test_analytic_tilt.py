@@ -11,6 +11,7 @@ from present import present
 from scenes import example
 from spatial_scenes import (
     THREADS,
+    assert_shapes_solve,
     axis_stage,
     free_stage,
     frequencies_of,
@@ -75,12 +76,7 @@ def test_shapes_of_the_whole_stage_solve_its_equations():
     found = modes_of(tilted(tilting_stage()), shapes=True)
     network = network_of(tilted(tilting_stage()))
     assert found.coordinates == network.coordinates
-    values = (2 * np.pi * np.asarray(found.frequencies)) ** 2
-    shapes, mass = np.asarray(found.shapes), np.asarray(network.mass)
-    np.testing.assert_allclose(shapes.T @ (mass[:, None] * shapes), np.eye(len(mass)), atol=1e-12)
-    force = np.asarray(network.stiffness_matrix()) @ shapes
-    size = np.abs(values * mass[:, None] * shapes).max()
-    np.testing.assert_allclose(force, values * mass[:, None] * shapes, atol=1e-12 * size)
+    assert_shapes_solve(found, network)
     # Tilts of screw and nut, sideways and opposite motion of the carriers belong to harmonic 1.
     assert found.families.count("transverse") == 2 * (2 + 2 + 1 + 1 + 6)
 
