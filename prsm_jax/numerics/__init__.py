@@ -33,6 +33,7 @@ from ._jacobi import (
     hermitian_eigenvalues as hermitian_eigenvalues,
     singular_values as singular_values,
 )
+from ._pieces import in_pieces as in_pieces
 from ._root import find_root as find_root, find_root_of as find_root_of
 from ._small_solve import solve_small as solve_small
 from ._stretches import over_samples as over_samples

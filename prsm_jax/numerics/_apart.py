@@ -6,9 +6,9 @@ from typing import Any, ParamSpec, TypeVar
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 from jax.core import Tracer
-from jax.extend.core import jaxpr_as_fun
+
+from ._pieces import in_pieces
 
 _Parameters = ParamSpec("_Parameters")
 _Result = TypeVar("_Result")
@@ -46,18 +46,8 @@ def apart(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Re
             return leaves
 
         traced = jax.make_jaxpr(of_numbers)(*leaves)
-        outcome = jax.lax.optimization_barrier(jnp.asarray(True))
-        results = jax.lax.cond(
-            outcome,
-            jaxpr_as_fun(traced),
-            lambda *_: [_none(value) for value in traced.out_avals],
-            *leaves,
-        )
+        results = in_pieces(traced)(*leaves)
         return eqx.combine(jax.tree.unflatten(output[0], results), output[1])
 
     return run
 
-
-def _none(value) -> jax.Array:
-    inexact = jnp.issubdtype(value.dtype, jnp.inexact)
-    return jnp.full(value.shape, jnp.nan if inexact else 0, value.dtype)

@@ -2,7 +2,7 @@
 
 import functools
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -10,7 +10,7 @@ from jax.custom_derivatives import SymbolicZero
 from jax.extend.core import ClosedJaxpr, jaxpr_as_fun
 from jaxtyping import Array, Bool, Float
 
-from ...numerics import max_few, solve_small
+from ...numerics import in_pieces, max_few, solve_small
 
 _Known = TypeVar("_Known")
 
@@ -74,25 +74,43 @@ def find_roots_and(
 
     start = jax.lax.stop_gradient(guess)
     closed = jax.make_jaxpr(flat)(start)
-
-    def evaluate(constants, unknowns):
-        return jaxpr_as_fun(ClosedJaxpr(closed.jaxpr, constants))(unknowns)
-
+    equations = _Equations(closed)
     small = jnp.asarray(tolerance, start.dtype)
-    roots, converged, leaves = _solved(evaluate, max_steps, closed.consts, start, small)
+    roots, converged, leaves = _solved(equations, max_steps, closed.consts, start, small)
     tree, dtypes = structure
     leaves = [leaf.astype(dtype) for leaf, dtype in zip(leaves, dtypes, strict=True)]
     return roots, converged > 0.5, jax.tree.unflatten(tree, leaves)
 
 
+class _Equations:
+    """Residuals and further results, traced once; what they close over is `constants`."""
+
+    def __init__(self, traced: ClosedJaxpr) -> None:
+        jaxpr = traced.jaxpr
+        inputs = [*jaxpr.constvars, *jaxpr.invars]
+        self._traced = ClosedJaxpr(jaxpr.replace(constvars=[], invars=inputs), ())
+
+    def __call__(self, constants, unknowns) -> list[Any]:
+        """Residuals, and the further results, of unknown numbers; some may be constants."""
+        return jaxpr_as_fun(self._traced)(*constants, unknowns)
+
+    def differentiated(self, constants, unknowns) -> list[Array]:
+        """The same, cut for derivatives, which take several times as many operations."""
+        return self._in_pieces(*constants, unknowns)
+
+    @functools.cached_property
+    def _in_pieces(self) -> Callable[..., list[Array]]:
+        return in_pieces(self._traced)
+
+
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
-def _solved(evaluate, max_steps, constants, guess, tolerance):
+def _solved(equations, max_steps, constants, guess, tolerance):
     """Roots, 1 where they were found and 0 elsewhere, and the further results."""
     identity = jnp.eye(guess.size, dtype=guess.dtype)
 
     def step(carry):
         unknowns, _, count = carry
-        value, linear = jax.linearize(lambda x: evaluate(constants, x)[0], unknowns)
+        value, linear = jax.linearize(lambda x: equations(constants, x)[0], unknowns)
         change = solve_small(jax.vmap(linear, out_axes=-1)(identity))(value)
         size = max_few(jnp.abs(change) / (1 + jnp.abs(unknowns)))
         return unknowns - change, size, count + 1
@@ -105,14 +123,14 @@ def _solved(evaluate, max_steps, constants, guess, tolerance):
     # JAX requires that a number and its derivative are both batched, or neither. A result that is
     # the same in a whole batch has a batched derivative, because the roots are batched.
     of_batch = size == size
-    known = [jnp.where(of_batch, leaf, leaf) for leaf in evaluate(constants, roots)[1:]]
+    known = [jnp.where(of_batch, leaf, leaf) for leaf in equations.differentiated(constants, roots)[1:]]
     return roots, (size <= tolerance).astype(guess.dtype), known
 
 
 @functools.partial(_solved.defjvp, symbolic_zeros=True)
-def _solved_derivative(evaluate, max_steps, primals, tangents):
+def _solved_derivative(equations, max_steps, primals, tangents):
     constants, guess, tolerance = primals
-    roots, converged, known = _solved(evaluate, max_steps, constants, guess, tolerance)
+    roots, converged, known = _solved(equations, max_steps, constants, guess, tolerance)
     # Constants without a tangent are not differentiated.
     moving = [
         i
@@ -126,10 +144,11 @@ def _solved_derivative(evaluate, max_steps, primals, tangents):
 
     def at_roots(moved):
         new = dict(zip(moving, moved, strict=True))
-        return evaluate([new.get(i, value) for i, value in enumerate(constants)], roots)
+        changed = [new.get(i, value) for i, value in enumerate(constants)]
+        return equations.differentiated(changed, roots)
 
     def of_one(direction):
-        return jax.jvp(lambda x: evaluate(constants, x), (roots,), (direction,))[1]
+        return jax.jvp(lambda x: equations.differentiated(constants, x), (roots,), (direction,))[1]
 
     moves = [tangents[0][i] for i in moving]
     _, (residual_change, *changes) = jax.jvp(at_roots, ([constants[i] for i in moving],), (moves,))

@@ -386,8 +386,9 @@ def _marked(state: SteadyState) -> SteadyState:
     """The state with the code of non-finite numbers, where no other code explains them."""
     assert state.code is not None
     numbers = [x for x in jax.tree.leaves(state) if jnp.issubdtype(x.dtype, jnp.inexact)]
-    # 0 times NaN or infinity is NaN.
-    finite = jnp.isfinite(sum(sum_few(0.0 * jnp.ravel(x)) for x in numbers))
+    # 0 times NaN or infinity is NaN; a verdict has no derivative.
+    zeros = [sum_few(0.0 * jnp.ravel(jax.lax.stop_gradient(x))) for x in numbers]
+    finite = jnp.isfinite(sum(zeros))
     unexplained = (state.code <= JAMMED) & ~finite
     code = jnp.where(unexplained, _NOT_FINITE, state.code)
     return dataclasses.replace(state, valid=state.valid & finite, code=code)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
@@ -45,7 +46,8 @@ def numbers_possible(module: eqx.Module) -> Bool[Array, ""]:
             ends += [end] * value.size
     if not values:
         return jnp.asarray(True)
-    every = jnp.concatenate(values)
+    # A verdict has no derivative.
+    every = jax.lax.stop_gradient(jnp.concatenate(values))
     low, high = jnp.asarray(lower, every.dtype), jnp.asarray(upper, every.dtype)
     below = jnp.where(jnp.asarray(at_lower), every < low, every <= low)
     above = jnp.where(jnp.asarray(at_upper), every > high, every >= high)
