@@ -1,0 +1,172 @@
+"""Programs in pieces: the same values and derivatives, fewer operations, cuts where it is narrow."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from scenes import array
+
+from prsm_jax.numerics import in_pieces
+from prsm_jax.programs import physics, traced_physics
+from tests.present import present
+
+
+@jax.custom_jvp
+def _cube(x):
+    return x * x * x
+
+
+@_cube.defjvp
+def _cube_derivative(primals, tangents):
+    (x,), (change,) = primals, tangents
+    return _cube(x), 3 * x**2 * change
+
+
+@physics("a_law")
+@jax.jit
+def _law(x, y):
+    return jnp.where(x > y, x * y, x + y)
+
+
+TABLE = np.array([0.5, -1.0, 2.0])
+
+
+def _everything(x, y):
+    """Calls, a loop, constants, results that are numbers, integers and arguments, unused parts."""
+    unused = jnp.exp(x) * y
+    del unused
+    first = _law(x, y) + _cube(x) * TABLE[0]
+    looped = jax.lax.fori_loop(0, 3, lambda _, value: value * x + y, first)
+    row = jnp.asarray(TABLE) * looped + jnp.stack([x, y, first])
+    return [looped, row, x > y, jnp.asarray(2.5), x, jnp.sum(row)]
+
+
+def _cut(function, operations, *arguments):
+    return in_pieces(jax.make_jaxpr(function)(*arguments), operations)
+
+
+def _conditions(function, *arguments):
+    traced = jax.make_jaxpr(function)(*arguments)
+    return [e for e in traced.jaxpr.eqns if e.primitive.name == "cond"]
+
+
+@settings(deadline=None, max_examples=20)
+@given(
+    st.integers(1, 30),
+    st.floats(-2.0, 2.0),
+    st.floats(-2.0, 2.0).filter(lambda y: abs(y) > 1e-3),
+)
+def test_values_do_not_depend_on_the_pieces(operations, x, y):
+    arguments = array(x), array(y)
+    cut = _cut(_everything, operations, *arguments)
+    for one, other in zip(cut(*arguments), _everything(*arguments), strict=True):
+        assert one.dtype == other.dtype
+        np.testing.assert_allclose(one, other, rtol=1e-14, atol=1e-14)
+
+
+@pytest.mark.parametrize("operations", [1, 4, 100])
+def test_derivatives_do_not_depend_on_the_pieces(operations):
+    """Both modes, twice, and a batch of designs; rounding differs."""
+    arguments = array(1.25), array(0.5)
+    cut = _cut(_everything, operations, *arguments)
+
+    def plain(numbers):
+        return _everything(*numbers)[-1]
+
+    def pieces(numbers):
+        return cut(*numbers)[-1]
+
+    point = jnp.stack(arguments)
+    many = jnp.stack([point, 2 * point, -point])
+    for second in (
+        lambda f: jax.jacfwd(jax.jacfwd(f)),
+        lambda f: jax.jacfwd(jax.jacrev(f)),
+        jax.grad,
+    ):
+        one, other = (jax.jit(jax.vmap(second(f)))(many) for f in (pieces, plain))
+        np.testing.assert_allclose(one, other, rtol=1e-13, atol=1e-13)
+
+
+def _waists(numbers):
+    """Twice: of each two numbers their sum, of which one number is made."""
+    total = numbers[0]
+    for _ in range(2):
+        wide = [total * (k + 1) + numbers[k % 3] for k in range(12)]
+        total = wide[0]
+        for one in wide[1:]:
+            total = total * one
+    return total
+
+
+def test_a_cut_is_where_few_numbers_pass():
+    """Of 72 operations in pieces of half, one number passes from the first to the second."""
+    numbers = [array(k + 1.0) for k in range(3)]
+    cut = _cut(lambda *x: [_waists(x)], 40, *numbers)
+    conditions = _conditions(cut, *numbers)
+    assert [len(c.outvars) for c in conditions] == [1, 1]
+
+
+@pytest.mark.parametrize("operations", [6, 12, 24])
+def test_no_piece_is_longer_than_allowed(operations):
+    numbers = [array(k + 1.0) for k in range(3)]
+    cut = _cut(lambda *x: [_waists(x)], operations, *numbers)
+    conditions = _conditions(cut, *numbers)
+    arithmetic = {"mul", "add"}
+    lengths = [
+        max(
+            sum(e.primitive.name in arithmetic for e in branch.jaxpr.eqns)
+            for branch in condition.params["branches"]
+        )
+        for condition in conditions
+    ]
+    assert sum(lengths) == 2 * (24 + 11)
+    # Only the last may be shorter than half.
+    assert max(lengths) <= operations
+    assert min(lengths[:-1]) >= operations / 2
+
+
+def test_a_large_function_with_its_own_derivative_stays_outside_of_conditions():
+    """It makes its own cuts; conditions within conditions would be traced several times."""
+
+    @jax.custom_jvp
+    def large(x):
+        for _ in range(8):
+            x = x * x + 1.0
+        return x
+
+    large.defjvp(lambda primals, tangents: (large(*primals), 2 * tangents[0]))
+    cut = _cut(lambda x: [large(x + 1.0) * 2.0], 8, array(0.1))
+    traced = jax.make_jaxpr(cut)(array(0.1))
+    names = [e.primitive.name for e in traced.jaxpr.eqns]
+    assert names.count("custom_jvp_call") == 1
+    assert names.count("cond") == 2
+    assert jax.grad(lambda x: cut(x)[0])(array(0.1)) == 4.0
+
+
+def test_laws_keep_their_names():
+    cut = _cut(_everything, 4, array(1.0), array(2.0))
+    assert traced_physics(cut, array(1.0), array(2.0)) == {"a_law"}
+
+
+def test_a_hessian_has_fewer_operations():
+    """A chain in which each number is used three times; XLA recomputes it for each use."""
+
+    def chain(numbers):
+        x, y = numbers[0], numbers[1]
+        for _ in range(60):
+            x, y = x * y + x, jnp.where(x > 1, 0.5, 0.25) * (y - x * 0.125)
+        return x * y
+
+    numbers = jnp.asarray([0.4, 0.3])
+    pieces = _cut(lambda x: [chain(x)], 20, numbers)
+
+    def counted(function):
+        second = jax.jit(jax.vmap(jax.jacfwd(jax.jacfwd(function))))
+        compiled = second.lower(numbers[None].repeat(100, axis=0)).compile()
+        return present(compiled.as_text()).count(" = "), compiled(numbers[None].repeat(100, axis=0))
+
+    whole, expected = counted(chain)
+    fewer, found = counted(lambda x: pieces(x)[0])
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    assert fewer < whole / 2
