@@ -35,18 +35,21 @@ def hidden(traced: ClosedJaxpr, arguments: Sequence[Any]) -> list[jax.Array]:
 def in_pieces(
     traced: ClosedJaxpr, operations: int = MOST_OPERATIONS
 ) -> Callable[..., list[jax.Array]]:
-    """A program as a sequence of `hidden` pieces.
+    """A program as a sequence of conditions, each with a piece of it.
 
-    For a number that n later operations use, XLA on a CPU may write the operations that compute it
-    n times, for those on which they depend n² times, and so on; a Hessian had ten times as many
+    XLA on a CPU may write the operations that compute a number once for each operation that uses
+    it, and those on which they depend again for each of these: a Hessian had ten times as many
     operations as it needs. A number that passes from one piece to the next is computed once. It is
-    stored, which takes less time than computing it twice, if the cuts are where few numbers pass.
+    stored, which takes less time than computing it twice if the cuts are where few numbers pass.
     Derivatives have their cuts in the same places.
 
     **Arguments:**
 
     - `traced`: the program.
     - `operations`: of a piece at most, without its derivatives.
+
+    **Returns:** a function of the arguments of the program; its values and derivatives are those of
+    the program.
     """
     flat = _without_calls(traced)
     jaxpr = flat.jaxpr
