@@ -40,9 +40,9 @@ writes a number that several operations use several times.
 
 A Jacobian by three numbers needs three derivatives of each operation in addition to the operation
 itself; central differences need six values. If the value needs an iteration, the derivative at the
-root does not, and the ratio is near 1; shear stresses below the surface are an example. The subsets
-that miss the goal are those whose value takes less than a microsecond: there a count of operations
-gives a ratio of 4, and differences cost less than two Jacobians.
+root does not, and the ratio is near 1; shear stresses below the surface are an example. Where the
+value takes less than a microsecond, the ratio is largest, and differences cost about as much as two
+Jacobians.
 """
 
 
