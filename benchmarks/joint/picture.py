@@ -32,7 +32,7 @@ def draw(documents: Sequence[Mapping[str, Any]], path: Path) -> Path:
     - `path`: where the picture goes; written whole or not at all.
     """
     from matplotlib.figure import Figure
-    from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
+    from matplotlib.ticker import FixedLocator, MaxNLocator, NullLocator, ScalarFormatter
 
     documents = [one for one in documents if len(one["joint"]) > 1] or documents
     figure = Figure(figsize=(max(8.0, 5.5 * len(documents)), 4.6), dpi=110, layout="constrained")
@@ -50,6 +50,7 @@ def draw(documents: Sequence[Mapping[str, Any]], path: Path) -> Path:
             FixedLocator([0.5, 1, 1.5, 2, 3, 4, 6, 8, 10, 20, 50, 100, 500])
         )
         axes.yaxis.set_major_formatter(ScalarFormatter())
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.yaxis.set_minor_locator(NullLocator())
         axes.grid(which="major", color="0.9", linewidth=0.8)
         axes.set_axisbelow(True)

@@ -50,4 +50,3 @@ def apart(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Re
         return eqx.combine(jax.tree.unflatten(output[0], results), output[1])
 
     return run
-

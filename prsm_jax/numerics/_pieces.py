@@ -1,11 +1,13 @@
 """Pieces of a program that XLA compiles separately, cut where few numbers pass between them."""
 
+import itertools
 from collections.abc import Callable, Sequence
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import jax
 import jax.numpy as jnp
-from jax.extend.core import ClosedJaxpr, Jaxpr, Literal, Var, jaxpr_as_fun
+from jax.extend.core import ClosedJaxpr, Jaxpr, JaxprEqn, Literal, Var, jaxpr_as_fun
 
 #: Operations of a piece at most, without derivatives.
 MOST_OPERATIONS = 40
@@ -15,8 +17,11 @@ _LEAST_SHARE = 0.5
 _WITHOUT_ARITHMETIC = frozenset((
     "broadcast_in_dim", "convert_element_type", "copy", "reshape", "slice", "squeeze", "transpose",
 ))  # fmt: skip
-#: Calls of which JAX writes the equations into the caller.
-_CALLS = frozenset(("jit", "pjit", "closed_call", "core_call"))
+#: Calls; XLA writes the operations of the function in their place.
+_CALLS = frozenset(("jit", "pjit"))
+#: Functions that are called, in pieces, by the operations of a piece.
+_OF_CALLS: WeakKeyDictionary[ClosedJaxpr, dict[int, Callable[..., list[jax.Array]]]]
+_OF_CALLS = WeakKeyDictionary()
 
 
 def hidden(traced: ClosedJaxpr, arguments: Sequence[Any]) -> list[jax.Array]:
@@ -51,15 +56,11 @@ def in_pieces(
     **Returns:** a function of the arguments of the program; its values and derivatives are those of
     the program.
     """
-    flat = _without_calls(traced)
-    jaxpr = flat.jaxpr
+    jaxpr = traced.jaxpr
     cuts = _narrowest_cuts(jaxpr, operations)
-    constants = dict(zip(jaxpr.constvars, flat.consts, strict=True))
+    constants = dict(zip(jaxpr.constvars, traced.consts, strict=True))
     last = _last_uses(jaxpr)
-    pieces = [
-        _piece(jaxpr, begin, end, constants, last)
-        for begin, end in zip(cuts, cuts[1:], strict=False)
-    ]
+    pieces = [_piece(jaxpr, begin, end, constants, last) for begin, end in itertools.pairwise(cuts)]
 
     def run(*arguments: jax.Array) -> list[jax.Array]:
         known: dict[Var, Any] = {**constants, **dict(zip(jaxpr.invars, arguments, strict=True))}
@@ -67,42 +68,38 @@ def in_pieces(
             inputs, outputs = piece.jaxpr.invars, piece.jaxpr.outvars
             if outputs:
                 values = [known[name] for name in inputs]
-                found = jaxpr_as_fun(piece)(*values) if _is_cut(piece) else hidden(piece, values)
-                known.update(zip(outputs, found, strict=True))
+                known.update(zip(outputs, _evaluated(piece, values, operations), strict=True))
         found = [v.val if isinstance(v, Literal) else known[v] for v in jaxpr.outvars]
         # Constants among the results are NumPy numbers.
-        return [jnp.asarray(x, v.aval.dtype) for x, v in zip(found, jaxpr.outvars, strict=True)]
+        return [x if isinstance(x, jax.Array) else jnp.asarray(x, x.dtype) for x in found]
 
     return run
 
 
-def _without_calls(traced: ClosedJaxpr) -> ClosedJaxpr:
-    """The same program with the operations of the functions that it calls in their place."""
-    if not any(equation.primitive.name in _CALLS for equation in traced.jaxpr.eqns):
-        return traced
-    shapes = [jax.ShapeDtypeStruct(value.shape, value.dtype) for value in traced.in_avals]
-    return jax.make_jaxpr(lambda *leaves: _called(traced, leaves))(*shapes)
+def _evaluated(piece: ClosedJaxpr, values: Sequence[Any], operations: int) -> list[jax.Array]:
+    """Results of a piece; one that is a long function by itself is not `hidden`."""
+    equation = piece.jaxpr.eqns[0]
+    if len(piece.jaxpr.eqns) > 1 or _operations(equation) <= operations:
+        return hidden(piece, values)
+    if equation.primitive.name not in _CALLS:
+        # A function with its own derivative makes its own cuts.
+        return jaxpr_as_fun(piece)(*values)
+    known = dict(zip(piece.jaxpr.invars, values, strict=True))
+    known.update(zip(piece.jaxpr.constvars, piece.consts, strict=True))
+    inputs = [v.val if isinstance(v, Literal) else known[v] for v in equation.invars]
+    # Laws are known by the names of their scopes.
+    with jax.named_scope(str(equation.source_info.name_stack)):
+        found = _called_in_pieces(equation.params["jaxpr"], operations)(*inputs)
+    results = dict(zip(equation.outvars, found, strict=True))
+    return [results[v] for v in piece.jaxpr.outvars]
 
 
-def _called(traced: ClosedJaxpr, arguments: Sequence[Any]) -> list[Any]:
-    jaxpr = traced.jaxpr
-    known: dict[Var, Any] = dict(zip(jaxpr.constvars, traced.consts, strict=True))
-    known.update(zip(jaxpr.invars, arguments, strict=True))
-    for equation in jaxpr.eqns:
-        values = [v.val if isinstance(v, Literal) else known[v] for v in equation.invars]
-        if equation.primitive.name in _CALLS:
-            # Laws are known by the names of their scopes.
-            with jax.named_scope(str(equation.source_info.name_stack)):
-                found = _called(equation.params["jaxpr"], values)
-        else:
-            inputs = [v for v in equation.invars if not isinstance(v, Literal)]
-            inputs = list(dict.fromkeys(inputs))
-            one = jaxpr.replace(
-                constvars=[], invars=inputs, outvars=equation.outvars, eqns=[equation]
-            )
-            found = jaxpr_as_fun(ClosedJaxpr(one, ()))(*(known[name] for name in inputs))
-        known.update(zip(equation.outvars, found, strict=True))
-    return [v.val if isinstance(v, Literal) else known[v] for v in jaxpr.outvars]
+def _called_in_pieces(traced: ClosedJaxpr, operations: int) -> Callable[..., list[jax.Array]]:
+    """A function that is called, in pieces; JAX differentiates it once for all of its calls."""
+    known = _OF_CALLS.setdefault(traced, {})
+    if operations not in known:
+        known[operations] = jax.jit(in_pieces(traced, operations))
+    return known[operations]
 
 
 def _last_uses(jaxpr: Jaxpr) -> dict[Var, int]:
@@ -117,14 +114,14 @@ def _last_uses(jaxpr: Jaxpr) -> dict[Var, int]:
 def _narrowest_cuts(jaxpr: Jaxpr, operations: int) -> list[int]:
     """Indices of the equations at which pieces begin, and the number of equations."""
     count, last = len(jaxpr.eqns), _last_uses(jaxpr)
-    # Numbers that are computed before an equation, and used there or later.
-    width = [0] * (count + 1)
-    total = [0]
+    total, change = [0], [0] * (count + 2)
     for index, equation in enumerate(jaxpr.eqns):
         total.append(total[-1] + _operations(equation))
         for v in equation.outvars:
-            for later in range(index + 1, last.get(v, index) + 1):
-                width[later] += 1
+            change[index + 1] += 1
+            change[last.get(v, index) + 1] -= 1
+    # Numbers that are computed before an equation, and used there or later.
+    width = list(itertools.accumulate(change))
     cuts = [0]
     for end in _ends_of_stretches(jaxpr, operations):
         while total[end] - total[cuts[-1]] > operations:
@@ -148,18 +145,13 @@ def _ends_of_stretches(jaxpr: Jaxpr, operations: int) -> list[int]:
     return [*ends, len(jaxpr.eqns)]
 
 
-def _operations(equation) -> int:
-    """Operations of an equation, those of a function with its own derivative included."""
+def _operations(equation: JaxprEqn) -> int:
+    """Operations of an equation, those of functions that it calls included."""
     if equation.primitive.name in _WITHOUT_ARITHMETIC:
         return 0
-    inner = equation.params.get("call_jaxpr")
+    name = "jaxpr" if equation.primitive.name in _CALLS else "call_jaxpr"
+    inner = equation.params.get(name)
     return 1 if inner is None else sum(_operations(part) for part in inner.jaxpr.eqns)
-
-
-def _is_cut(piece: ClosedJaxpr) -> bool:
-    """Whether a piece is a large function with its own derivative, which makes its own cuts."""
-    equations = piece.jaxpr.eqns
-    return len(equations) == 1 and _operations(equations[0]) > 1
 
 
 def _piece(

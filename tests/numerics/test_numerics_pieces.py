@@ -1,4 +1,4 @@
-"""Programs in pieces: the same values and derivatives, fewer operations, cuts where it is narrow."""
+"""Programs in pieces: same values and derivatives, fewer operations, cuts where it is narrow."""
 
 import jax
 import jax.numpy as jnp
@@ -142,6 +142,31 @@ def test_a_large_function_with_its_own_derivative_stays_outside_of_conditions():
     assert names.count("custom_jvp_call") == 1
     assert names.count("cond") == 2
     assert jax.grad(lambda x: cut(x)[0])(array(0.1)) == 4.0
+
+
+def test_a_long_function_is_cut_once_for_all_of_its_calls():
+    """JAX then differentiates it once; every mechanism calls the meshing."""
+
+    @physics("long")
+    @jax.jit
+    def long(x):
+        for _ in range(8):
+            x = x * x + 1.0
+        return x
+
+    def twice(x):
+        return [long(long(x) * 0.125)]
+
+    cut = _cut(twice, 8, array(0.1))
+    other = _cut(lambda x: [long(x)], 8, array(0.1))
+    programs = [jax.make_jaxpr(one)(array(0.1)).jaxpr for one in (cut, other)]
+    calls = [e for jaxpr in programs for e in jaxpr.eqns if e.primitive.name in ("jit", "pjit")]
+    assert len(calls) == 3
+    assert len({id(call.params["jaxpr"]) for call in calls}) == 1
+    inner = calls[0].params["jaxpr"].jaxpr.eqns
+    assert [e.primitive.name for e in inner].count("cond") == 2
+    assert traced_physics(cut, array(0.1)) == {"long"}
+    np.testing.assert_allclose(cut(array(0.1))[0], twice(array(0.1))[0], rtol=1e-14)
 
 
 def test_laws_keep_their_names():
