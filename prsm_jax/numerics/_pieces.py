@@ -70,8 +70,11 @@ def in_pieces(
                 values = [known[name] for name in inputs]
                 known.update(zip(outputs, _evaluated(piece, values, operations), strict=True))
         found = [v.val if isinstance(v, Literal) else known[v] for v in jaxpr.outvars]
-        # Constants among the results are NumPy numbers.
-        return [x if isinstance(x, jax.Array) else jnp.asarray(x, x.dtype) for x in found]
+        # Constants among the results are numbers of Python or NumPy.
+        return [
+            x if isinstance(x, jax.Array) else jnp.asarray(x, v.aval.dtype)
+            for x, v in zip(found, jaxpr.outvars, strict=True)
+        ]
 
     return run
 

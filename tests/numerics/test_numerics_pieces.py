@@ -39,7 +39,7 @@ def _everything(x, y):
     first = _law(x, y) + _cube(x) * TABLE[0]
     looped = jax.lax.fori_loop(0, 3, lambda _, value: value * x + y, first)
     row = jnp.asarray(TABLE) * looped + jnp.stack([x, y, first])
-    return [looped, row, x > y, jnp.asarray(2.5), x, jnp.sum(row)]
+    return [looped, row, x > y, jnp.asarray(True), jnp.asarray(2.5), x, jnp.sum(row)]
 
 
 def _cut(function, operations, *arguments):
