@@ -11,7 +11,8 @@ from jax.extend.core import ClosedJaxpr, Jaxpr, JaxprEqn, Literal, Var, jaxpr_as
 
 #: Operations of a piece at most, without derivatives.
 MOST_OPERATIONS = 40
-#: Smallest piece as a share of the largest: in between, a cut is where it is narrowest.
+#: A piece has between this share of the limit and the limit; the cut is where the fewest numbers
+#: pass.
 _LEAST_SHARE = 0.5
 #: These move or repeat numbers, without arithmetic.
 _WITHOUT_ARITHMETIC = frozenset((
@@ -27,7 +28,8 @@ _OF_CALLS = WeakKeyDictionary()
 def hidden(traced: ClosedJaxpr, arguments: Sequence[Any]) -> list[jax.Array]:
     """Results of a program as one branch of a condition whose outcome XLA does not know.
 
-    XLA neither fuses nor recomputes across a condition. The other branch is NaN and never taken.
+    XLA neither fuses nor recomputes across a condition. The other branch is NaN or 0, and never
+    taken.
     """
     return jax.lax.cond(
         jax.lax.optimization_barrier(jnp.asarray(True)),
@@ -42,8 +44,8 @@ def in_pieces(
 ) -> Callable[..., list[jax.Array]]:
     """A program as a sequence of conditions, each with a piece of it.
 
-    XLA on a CPU may write the operations that compute a number once for each operation that uses
-    it, and those on which they depend again for each of these: a Hessian had ten times as many
+    XLA on a CPU may repeat the operations behind a number for each operation that uses it.
+    Repetitions multiply along a chain: the Hessian of an efficiency had ten times as many
     operations as it needs. A number that passes from one piece to the next is computed once. It is
     stored, which takes less time than computing it twice if the cuts are where few numbers pass.
     Derivatives have their cuts in the same places.
@@ -66,7 +68,7 @@ def in_pieces(
         known: dict[Var, Any] = {**constants, **dict(zip(jaxpr.invars, arguments, strict=True))}
         for piece in pieces:
             inputs, outputs = piece.jaxpr.invars, piece.jaxpr.outvars
-            if outputs:
+            if outputs or any(e.effects for e in piece.jaxpr.eqns):
                 values = [known[name] for name in inputs]
                 known.update(zip(outputs, _evaluated(piece, values, operations), strict=True))
         found = [v.val if isinstance(v, Literal) else known[v] for v in jaxpr.outvars]
@@ -106,7 +108,7 @@ def _called_in_pieces(traced: ClosedJaxpr, operations: int) -> Callable[..., lis
 
 
 def _last_uses(jaxpr: Jaxpr) -> dict[Var, int]:
-    """Index of the last equation that uses each variable; their number for results."""
+    """Index of the last equation that uses each variable; the number of equations for results."""
     last: dict[Var, int] = {}
     for index, equation in enumerate(jaxpr.eqns):
         last.update((v, index) for v in equation.invars if isinstance(v, Var))
@@ -127,12 +129,15 @@ def _narrowest_cuts(jaxpr: Jaxpr, operations: int) -> list[int]:
     width = list(itertools.accumulate(change))
     cuts = [0]
     for end in _ends_of_stretches(jaxpr, operations):
-        while total[end] - total[cuts[-1]] > operations:
+        while total[end] - total[cuts[-1]] > operations and end - cuts[-1] > 1:
             done = total[cuts[-1]]
             least, most = done + _LEAST_SHARE * operations, done + operations
             places = [i for i in range(cuts[-1] + 1, end) if least <= total[i] <= most]
             if not places:
-                break
+                # One equation may have more operations than half a piece: end before it, or with it
+                # where it comes first.
+                shorter = [i for i in range(cuts[-1] + 1, end) if total[i] <= most]
+                places = shorter[-1:] or [cuts[-1] + 1]
             cuts.append(min(places, key=lambda i: (width[i], -i)))
         if end > cuts[-1]:
             cuts.append(end)
@@ -165,7 +170,8 @@ def _piece(
     made = [v for equation in equations for v in equation.outvars]
     used = dict.fromkeys(v for e in equations for v in e.invars if isinstance(v, Var))
     own = [v for v in used if v in constants]
-    inputs = [v for v in used if v not in constants and v not in set(made)]
+    own_results = set(made)
+    inputs = [v for v in used if v not in constants and v not in own_results]
     outputs = [v for v in made if last.get(v, -1) >= end]
     piece = jaxpr.replace(constvars=own, invars=inputs, outvars=outputs, eqns=equations)
     return ClosedJaxpr(piece, [constants[v] for v in own])

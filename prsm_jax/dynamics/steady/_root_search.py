@@ -123,7 +123,9 @@ def _solved(equations, max_steps, constants, guess, tolerance):
     # JAX requires that a number and its derivative are both batched, or neither. A result that is
     # the same in a whole batch has a batched derivative, because the roots are batched.
     of_batch = size == size
-    known = [jnp.where(of_batch, leaf, leaf) for leaf in equations.differentiated(constants, roots)[1:]]
+    known = [
+        jnp.where(of_batch, leaf, leaf) for leaf in equations.differentiated(constants, roots)[1:]
+    ]
     return roots, (size <= tolerance).astype(guess.dtype), known
 
 
