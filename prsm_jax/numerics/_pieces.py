@@ -21,8 +21,9 @@ _WITHOUT_ARITHMETIC = frozenset((
 #: Calls; XLA writes the operations of the function in their place.
 _CALLS = frozenset(("jit", "pjit"))
 #: Functions that are called, in pieces, by the operations of a piece.
-_OF_CALLS: WeakKeyDictionary[ClosedJaxpr, dict[int, Callable[..., list[jax.Array]]]]
-_OF_CALLS = WeakKeyDictionary()
+_OF_CALLS: WeakKeyDictionary[ClosedJaxpr, dict[int, Callable[..., list[jax.Array]]]] = (
+    WeakKeyDictionary()
+)
 
 
 def hidden(traced: ClosedJaxpr, arguments: Sequence[Any]) -> list[jax.Array]:
