@@ -36,7 +36,7 @@ the correction, the Jacobian of the first row of the actuator took 724 µs per d
 concatenated and 10 µs as a dictionary. Parts of the physics now run in branches of a condition
 (`numerics.apart`), into which XLA does not fuse later operations. Each part is cut into pieces of a
 few dozen operations where few numbers pass from one piece to the next: within a part, too, XLA
-writes a number that several operations use several times.
+repeats the calculation of a number for each operation that uses it.
 
 A Jacobian by three numbers needs three derivatives of each operation in addition to the operation
 itself; central differences need six values. If the value needs an iteration, the derivative at the

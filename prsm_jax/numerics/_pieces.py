@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from jax.extend.core import ClosedJaxpr, Jaxpr, JaxprEqn, Literal, Var, jaxpr_as_fun
 
 #: Operations of a piece at most, without derivatives.
-MOST_OPERATIONS = 40
+_MOST_OPERATIONS = 40
 #: A piece has between this share of the limit and the limit; the cut is where the fewest numbers
 #: pass.
 _LEAST_SHARE = 0.5
@@ -20,13 +20,13 @@ _WITHOUT_ARITHMETIC = frozenset((
 ))  # fmt: skip
 #: Calls; XLA writes the operations of the function in their place.
 _CALLS = frozenset(("jit", "pjit"))
-#: Functions that are called, in pieces, by the operations of a piece.
+#: Functions that are called, in pieces: for each program, by the most operations of a piece.
 _OF_CALLS: WeakKeyDictionary[ClosedJaxpr, dict[int, Callable[..., list[jax.Array]]]] = (
     WeakKeyDictionary()
 )
 
 
-def hidden(traced: ClosedJaxpr, arguments: Sequence[Any]) -> list[jax.Array]:
+def _hidden(traced: ClosedJaxpr, arguments: Sequence[Any]) -> list[jax.Array]:
     """Results of a program as one branch of a condition whose outcome XLA does not know.
 
     XLA neither fuses nor recomputes across a condition. The other branch is NaN or 0, and never
@@ -41,7 +41,7 @@ def hidden(traced: ClosedJaxpr, arguments: Sequence[Any]) -> list[jax.Array]:
 
 
 def in_pieces(
-    traced: ClosedJaxpr, operations: int = MOST_OPERATIONS
+    traced: ClosedJaxpr, operations: int = _MOST_OPERATIONS
 ) -> Callable[..., list[jax.Array]]:
     """A program as a sequence of conditions, each with a piece of it.
 
@@ -60,9 +60,9 @@ def in_pieces(
     the program.
     """
     jaxpr = traced.jaxpr
-    cuts = _narrowest_cuts(jaxpr, operations)
-    constants = dict(zip(jaxpr.constvars, traced.consts, strict=True))
     last = _last_uses(jaxpr)
+    cuts = _narrowest_cuts(jaxpr, operations, last)
+    constants = dict(zip(jaxpr.constvars, traced.consts, strict=True))
     pieces = [_piece(jaxpr, begin, end, constants, last) for begin, end in itertools.pairwise(cuts)]
 
     def run(*arguments: jax.Array) -> list[jax.Array]:
@@ -83,12 +83,15 @@ def in_pieces(
 
 
 def _evaluated(piece: ClosedJaxpr, values: Sequence[Any], operations: int) -> list[jax.Array]:
-    """Results of a piece; one that is a long function by itself is not `hidden`."""
+    """Results of a piece, as one branch of a condition.
+
+    A long function is a piece by itself, and outside of conditions: its own pieces are in them. One
+    with its own derivative has its cuts from its author, as `find_roots_and` has.
+    """
     equation = piece.jaxpr.eqns[0]
     if len(piece.jaxpr.eqns) > 1 or _operations(equation) <= operations:
-        return hidden(piece, values)
+        return _hidden(piece, values)
     if equation.primitive.name not in _CALLS:
-        # A function with its own derivative makes its own cuts.
         return jaxpr_as_fun(piece)(*values)
     known = dict(zip(piece.jaxpr.invars, values, strict=True))
     known.update(zip(piece.jaxpr.constvars, piece.consts, strict=True))
@@ -117,41 +120,35 @@ def _last_uses(jaxpr: Jaxpr) -> dict[Var, int]:
     return last
 
 
-def _narrowest_cuts(jaxpr: Jaxpr, operations: int) -> list[int]:
+def _narrowest_cuts(jaxpr: Jaxpr, operations: int, last: dict[Var, int]) -> list[int]:
     """Indices of the equations at which pieces begin, and the number of equations."""
-    count, last = len(jaxpr.eqns), _last_uses(jaxpr)
-    total, change = [0], [0] * (count + 2)
+    lengths = [_operations(equation) for equation in jaxpr.eqns]
+    total = [0, *itertools.accumulate(lengths)]
+    change = [0] * (len(lengths) + 2)
     for index, equation in enumerate(jaxpr.eqns):
-        total.append(total[-1] + _operations(equation))
         for v in equation.outvars:
             change[index + 1] += 1
             change[last.get(v, index) + 1] -= 1
     # Numbers that are computed before an equation, and used there or later.
     width = list(itertools.accumulate(change))
     cuts = [0]
-    for end in _ends_of_stretches(jaxpr, operations):
+    for end in _ends_of_stretches(lengths, operations):
         while total[end] - total[cuts[-1]] > operations and end - cuts[-1] > 1:
             done = total[cuts[-1]]
             least, most = done + _LEAST_SHARE * operations, done + operations
-            places = [i for i in range(cuts[-1] + 1, end) if least <= total[i] <= most]
-            if not places:
-                # One equation may have more operations than half a piece: end before it, or with it
-                # where it comes first.
-                shorter = [i for i in range(cuts[-1] + 1, end) if total[i] <= most]
-                places = shorter[-1:] or [cuts[-1] + 1]
+            shorter = [i for i in range(cuts[-1] + 1, end) if total[i] <= most]
+            # Before an equation of more than half a piece, the piece may have to be shorter.
+            places = [i for i in shorter if total[i] >= least] or shorter[-1:]
             cuts.append(min(places, key=lambda i: (width[i], -i)))
         if end > cuts[-1]:
             cuts.append(end)
     return cuts
 
 
-def _ends_of_stretches(jaxpr: Jaxpr, operations: int) -> list[int]:
+def _ends_of_stretches(lengths: Sequence[int], operations: int) -> list[int]:
     """Where equations that are pieces of their own begin and end, and the end of the program."""
-    ends: list[int] = []
-    for index, equation in enumerate(jaxpr.eqns):
-        if _operations(equation) > operations:
-            ends += [index, index + 1]
-    return [*ends, len(jaxpr.eqns)]
+    long = [index for index, length in enumerate(lengths) if length > operations]
+    return [*(end for index in long for end in (index, index + 1)), len(lengths)]
 
 
 def _operations(equation: JaxprEqn) -> int:
@@ -168,11 +165,10 @@ def _piece(
 ) -> ClosedJaxpr:
     """Some equations as a program from what they need to what is needed of them later."""
     equations = jaxpr.eqns[begin:end]
-    made = [v for equation in equations for v in equation.outvars]
+    made = dict.fromkeys(v for equation in equations for v in equation.outvars)
     used = dict.fromkeys(v for e in equations for v in e.invars if isinstance(v, Var))
     own = [v for v in used if v in constants]
-    own_results = set(made)
-    inputs = [v for v in used if v not in constants and v not in own_results]
+    inputs = [v for v in used if v not in constants and v not in made]
     outputs = [v for v in made if last.get(v, -1) >= end]
     piece = jaxpr.replace(constvars=own, invars=inputs, outvars=outputs, eqns=equations)
     return ClosedJaxpr(piece, [constants[v] for v in own])

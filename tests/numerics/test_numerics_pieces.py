@@ -1,5 +1,7 @@
 """Programs in pieces: same values and derivatives, fewer operations, cuts where it is narrow."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -33,13 +35,20 @@ TABLE = np.array([0.5, -1.0, 2.0])
 
 
 def _everything(x, y):
-    """Calls, a loop, constants, results that are numbers, integers and arguments, unused parts."""
+    """Calls, a loop, constants, results that are numbers, flags and arguments, unused parts."""
     unused = jnp.exp(x) * y
     del unused
     first = _law(x, y) + _cube(x) * TABLE[0]
     looped = jax.lax.fori_loop(0, 3, lambda _, value: value * x + y, first)
     row = jnp.asarray(TABLE) * looped + jnp.stack([x, y, first])
     return [looped, row, x > y, jnp.asarray(True), jnp.asarray(2.5), x, jnp.sum(row)]
+
+
+def _squares(x, count):
+    """A chain of two operations for each square."""
+    for _ in range(count):
+        x = x * x + 1.0
+    return x
 
 
 def _cut(function, operations, *arguments):
@@ -62,6 +71,7 @@ def test_values_do_not_depend_on_the_pieces(operations, x, y):
     cut = _cut(_everything, operations, *arguments)
     for one, other in zip(cut(*arguments), _everything(*arguments), strict=True):
         assert one.dtype == other.dtype
+        # Sums of numbers up to a hundred, which may cancel.
         np.testing.assert_allclose(one, other, rtol=1e-13, atol=1e-12)
 
 
@@ -127,13 +137,11 @@ def test_no_piece_is_longer_than_allowed(operations):
 
 
 def test_a_large_function_with_its_own_derivative_stays_outside_of_conditions():
-    """It makes its own cuts; conditions within conditions would be traced several times."""
+    """Its author cuts it; conditions within conditions would be traced several times."""
 
     @jax.custom_jvp
     def large(x):
-        for _ in range(8):
-            x = x * x + 1.0
-        return x
+        return _squares(x, 8)
 
     large.defjvp(lambda primals, tangents: (large(*primals), 2 * tangents[0]))
     cut = _cut(lambda x: [large(x + 1.0) * 2.0], 8, array(0.1))
@@ -150,9 +158,7 @@ def test_a_long_function_is_cut_once_for_all_of_its_calls():
     @physics("long")
     @jax.jit
     def long(x):
-        for _ in range(8):
-            x = x * x + 1.0
-        return x
+        return _squares(x, 8)
 
     def twice(x):
         return [long(long(x) * 0.125)]
@@ -172,11 +178,7 @@ def test_a_long_function_is_cut_once_for_all_of_its_calls():
 def test_a_long_equation_does_not_make_a_piece_longer_than_allowed():
     """A law of 30 operations after 15 others, and many after it, in pieces of at most 40."""
 
-    @jax.jit
-    def law(x):
-        for _ in range(15):
-            x = x * x + 1.0
-        return x
+    law = jax.jit(functools.partial(_squares, count=15))
 
     def chain(x):
         for _ in range(15):
@@ -190,6 +192,20 @@ def test_a_long_equation_does_not_make_a_piece_longer_than_allowed():
     lengths = [max(len(b.jaxpr.eqns) for b in c.params["branches"]) for c in conditions]
     assert max(lengths) <= 40
     assert len(lengths) <= 8
+
+
+def test_what_is_printed_is_printed():
+    """A piece without results that prints."""
+    seen = []
+
+    def chain(x):
+        long = _squares(x * 0.1, 8)
+        jax.debug.callback(seen.append, x)
+        return [long]
+
+    jax.jit(_cut(chain, 8, array(0.5)))(array(0.5))
+    jax.effects_barrier()
+    assert seen == [0.5]
 
 
 def test_laws_keep_their_names():

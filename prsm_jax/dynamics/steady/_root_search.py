@@ -91,15 +91,18 @@ class _Equations:
         self._traced = ClosedJaxpr(jaxpr.replace(constvars=[], invars=inputs), ())
 
     def __call__(self, constants, unknowns) -> list[Any]:
-        """Residuals, and the further results, of unknown numbers; some may be constants."""
+        """Residuals and further results.
+
+        Those that do not depend on anything may be numbers of Python or NumPy.
+        """
         return jaxpr_as_fun(self._traced)(*constants, unknowns)
 
-    def differentiated(self, constants, unknowns) -> list[Array]:
-        """The same, cut for derivatives, which take several times as many operations."""
-        return self._in_pieces(*constants, unknowns)
+    def in_pieces(self, constants, unknowns) -> list[Array]:
+        """The same values, cut for derivatives, which take several times as many operations."""
+        return self._cut(*constants, unknowns)
 
     @functools.cached_property
-    def _in_pieces(self) -> Callable[..., list[Array]]:
+    def _cut(self) -> Callable[..., list[Array]]:
         return in_pieces(self._traced)
 
 
@@ -123,9 +126,7 @@ def _solved(equations, max_steps, constants, guess, tolerance):
     # JAX requires that a number and its derivative are both batched, or neither. A result that is
     # the same in a whole batch has a batched derivative, because the roots are batched.
     of_batch = size == size
-    known = [
-        jnp.where(of_batch, leaf, leaf) for leaf in equations.differentiated(constants, roots)[1:]
-    ]
+    known = [jnp.where(of_batch, leaf, leaf) for leaf in equations.in_pieces(constants, roots)[1:]]
     return roots, (size <= tolerance).astype(guess.dtype), known
 
 
@@ -147,10 +148,10 @@ def _solved_derivative(equations, max_steps, primals, tangents):
     def at_roots(moved):
         new = dict(zip(moving, moved, strict=True))
         changed = [new.get(i, value) for i, value in enumerate(constants)]
-        return equations.differentiated(changed, roots)
+        return equations.in_pieces(changed, roots)
 
     def of_one(direction):
-        return jax.jvp(lambda x: equations.differentiated(constants, x), (roots,), (direction,))[1]
+        return jax.jvp(lambda x: equations.in_pieces(constants, x), (roots,), (direction,))[1]
 
     moves = [tangents[0][i] for i in moving]
     _, (residual_change, *changes) = jax.jvp(at_roots, ([constants[i] for i in moving],), (moves,))
