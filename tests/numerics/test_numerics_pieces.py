@@ -200,12 +200,19 @@ def test_what_is_printed_is_printed():
 
     def chain(x):
         long = _squares(x * 0.1, 8)
-        jax.debug.callback(seen.append, x)
+        jax.debug.callback(seen.append, _squares(x, 8))
         return [long]
 
     jax.jit(_cut(chain, 8, array(0.5)))(array(0.5))
     jax.effects_barrier()
-    assert seen == [0.5]
+    np.testing.assert_allclose(seen, [_squares(0.5, 8)], rtol=1e-13)
+
+
+def test_a_long_function_of_a_constant():
+    table = jnp.asarray(TABLE)
+    long = jax.jit(lambda x, y: _squares(x * 0.1, 8) * y)
+    cut = _cut(lambda x: [long(table, x)], 8, array(0.5))
+    np.testing.assert_allclose(cut(array(0.5))[0], long(table, array(0.5)), rtol=1e-13)
 
 
 def test_laws_keep_their_names():
