@@ -44,7 +44,8 @@ _TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 _QUICK = (1e-4, 1e-6)
 #: Rivals that take packages of their own.
 _LSODA = "numbalsoda LSODA, all cores"
-_THREADS = "RODASP, a thread for each core"
+_THREADS = "{}, a thread for each core"
+_BALANCE, _RODASP = "quasi-steady balance", "RODASP"
 _CASADI = "CasADi {}, interpreted, mapped on all cores"
 
 
@@ -203,11 +204,12 @@ def _ours(
     return Method(name, prepare, settings, "rtol" if settings != (None,) else "")
 
 
-def _in_threads(scene: Scene, settings: Sequence[Any]) -> Method:
-    """RODASP in a thread for each core, as the rivals' loops; large batches in chunks."""
+def _in_threads(scene: Scene, name: str, method: str, settings: Sequence[Any]) -> Method:
+    """A method in a thread for each core, as the rivals' loops; large batches in chunks."""
     count, cores = len(scene.designs.speed), len(os.sched_getaffinity(0))
     chunk = min(-(-count // cores), _IN_CACHE)
-    return _ours(scene, _THREADS, "rosenbrock", settings, chunk, np.arange(count), cores)
+    threads = _THREADS.format(name)
+    return _ours(scene, threads, method, settings, chunk, np.arange(count), cores)
 
 
 def _lsoda(scene: Scene, settings, count: int) -> Method:
@@ -284,7 +286,7 @@ def _settle(size: Size) -> Problem:
             _ours(scene, "closed form", "closed_form", (None,)),
             _ours(scene, "closed form, meshing included", "closed_form", (None,), meshes=True),
             _ours(scene, "RODASP", "rosenbrock", settings),
-            _in_threads(scene, settings),
+            _in_threads(scene, _RODASP, "rosenbrock", settings),
             _ours(scene, "Tsit5", "explicit", settings),
             _ours(scene, "Kvaerno5 with Newton", "implicit", settings),
             *rivals,
@@ -318,9 +320,10 @@ def _mission(size: Size, width: float) -> Problem:
     # In chunks, because the samples of a whole batch, rewritten at every step, outgrow the cache.
     chunk, order = size.missions // (5 if size is _SMALL else 2), np.arange(count)
     ours = [
-        _ours(scene, "quasi-steady balance", "quasi_steady", (None,)),
-        _ours(scene, "RODASP", "rosenbrock", settings, chunk, order),
-        _in_threads(scene, settings),
+        _ours(scene, _BALANCE, "quasi_steady", (None,)),
+        _in_threads(scene, _BALANCE, "quasi_steady", (None,)),
+        _ours(scene, _RODASP, "rosenbrock", settings, chunk, order),
+        _in_threads(scene, _RODASP, "rosenbrock", settings),
     ]
     return Problem(
         name="mission_smooth" if width else "mission",
@@ -348,8 +351,9 @@ def _many_missions(size: Size) -> Problem:
         f"batch of {count} designs",
         instance="trajectory",
         methods=[
-            _ours(scene, "quasi-steady balance", "quasi_steady", (None,), chunk, np.arange(count)),
-            _in_threads(scene, settings),
+            _ours(scene, _BALANCE, "quasi_steady", (None,), chunk, np.arange(count)),
+            _in_threads(scene, _BALANCE, "quasi_steady", (None,)),
+            _in_threads(scene, _RODASP, "rosenbrock", settings),
             *rivals,
         ],
         reference=_mission_reference(scene, compared),

@@ -37,4 +37,8 @@ from ._pieces import in_pieces as in_pieces
 from ._root import find_root as find_root, find_root_of as find_root_of
 from ._small_solve import solve_small as solve_small
 from ._stretches import over_samples as over_samples
+from ._trigonometry import (
+    sine_and_cosine as sine_and_cosine,
+    with_batched_trigonometry as with_batched_trigonometry,
+)
 from ._types import Scalar as Scalar

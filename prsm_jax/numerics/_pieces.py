@@ -19,9 +19,9 @@ _WITHOUT_ARITHMETIC = frozenset((
     "broadcast_in_dim", "convert_element_type", "copy", "reshape", "slice", "squeeze", "transpose",
 ))  # fmt: skip
 #: Calls; XLA writes the operations of the function in their place.
-_CALLS = frozenset(("jit", "pjit"))
+CALLS = frozenset(("jit", "pjit"))
 #: Functions that are called, in pieces: for each program, by the most operations of a piece.
-_OF_CALLS: WeakKeyDictionary[ClosedJaxpr, dict[int, Callable[..., list[jax.Array]]]] = (
+_OFCALLS: WeakKeyDictionary[ClosedJaxpr, dict[int, Callable[..., list[jax.Array]]]] = (
     WeakKeyDictionary()
 )
 
@@ -91,7 +91,7 @@ def _evaluated(piece: ClosedJaxpr, values: Sequence[Any], operations: int) -> li
     equation = piece.jaxpr.eqns[0]
     if len(piece.jaxpr.eqns) > 1 or _operations(equation) <= operations:
         return _hidden(piece, values)
-    if equation.primitive.name not in _CALLS:
+    if equation.primitive.name not in CALLS:
         return jaxpr_as_fun(piece)(*values)
     known = dict(zip(piece.jaxpr.invars, values, strict=True))
     known.update(zip(piece.jaxpr.constvars, piece.consts, strict=True))
@@ -105,7 +105,7 @@ def _evaluated(piece: ClosedJaxpr, values: Sequence[Any], operations: int) -> li
 
 def _called_in_pieces(traced: ClosedJaxpr, operations: int) -> Callable[..., list[jax.Array]]:
     """A function that is called, in pieces; JAX differentiates it once for all of its calls."""
-    known = _OF_CALLS.setdefault(traced, {})
+    known = _OFCALLS.setdefault(traced, {})
     if operations not in known:
         known[operations] = jax.jit(in_pieces(traced, operations))
     return known[operations]
@@ -155,7 +155,7 @@ def _operations(equation: JaxprEqn) -> int:
     """Operations of an equation, those of functions that it calls included."""
     if equation.primitive.name in _WITHOUT_ARITHMETIC:
         return 0
-    name = "jaxpr" if equation.primitive.name in _CALLS else "call_jaxpr"
+    name = "jaxpr" if equation.primitive.name in CALLS else "call_jaxpr"
     inner = equation.params.get(name)
     return 1 if inner is None else sum(_operations(part) for part in inner.jaxpr.eqns)
 

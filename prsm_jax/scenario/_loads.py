@@ -28,6 +28,7 @@ from ..fields import (
     number,
     numbers,
 )
+from ..numerics import with_batched_trigonometry
 from ._sequences import Driven, Profile
 from ._tables import Curve, Interpolation
 
@@ -171,6 +172,13 @@ def depends_on_motion(load: ArrayLike | Callable[..., Scalar]) -> bool:
     return sum(p.default is p.empty and p.kind in positional for p in parameters) > 1
 
 
+def value_at(driven: Driven, time: Scalar) -> Scalar:
+    """A number, or a function of time at a time [s]."""
+    if not callable(driven):
+        return driven
+    return jnp.asarray(with_batched_trigonometry(driven)(time))
+
+
 def load_value(
     load: ArrayLike | Callable[..., Scalar],
     time: Scalar,
@@ -187,8 +195,8 @@ def load_value(
     if not callable(load):
         return jnp.asarray(load, time.dtype)
     if depends_on_motion(load):
-        return jnp.asarray(load(time, *motion()), time.dtype)
-    return jnp.asarray(load(time), time.dtype)
+        return jnp.asarray(with_batched_trigonometry(load)(time, *motion()), time.dtype)
+    return jnp.asarray(with_batched_trigonometry(load)(time), time.dtype)
 
 
 def break_times_of(

@@ -24,7 +24,7 @@ from ..fields import (
     driven,
     number,
 )
-from ._loads import DrivenLoad, break_times_of, load_value
+from ._loads import DrivenLoad, break_times_of, load_value, value_at
 from ._sequences import Driven
 
 
@@ -75,7 +75,7 @@ class Scenario(Limited):
 
     def speed_at(self, time: Scalar) -> Scalar:
         """Screw speed at a time [rad/s]."""
-        return jnp.asarray(self.speed(time)) if callable(self.speed) else self.speed
+        return value_at(self.speed, time)
 
     def motion_at(self, time: Scalar) -> tuple[Scalar, Scalar | None]:
         """Screw speed [rad/s] and, unless it is constant, its derivative [rad/s²]."""
@@ -123,7 +123,7 @@ class TorqueScenario(Limited):
 
     def torque_at(self, time: Scalar) -> Scalar:
         """Torque at a time [N·m]."""
-        return jnp.asarray(self.torque(time)) if callable(self.torque) else self.torque
+        return value_at(self.torque, time)
 
     def load_at(
         self, time: Scalar, position: Scalar, speed: Scalar, acceleration: Scalar

@@ -68,9 +68,9 @@ class SolverReport(DesignResult):
     #: 0 when successful; see `result`.
     code: Int[Array, ""]
     name: str = eqx.field(static=True)
-    #: Largest error of the carrier ratio by terms that the method neglects, after settling; under a
-    #: prescribed torque, error of the screw speed over the largest screw speed. `None` if no terms
-    #: are neglected.
+    #: Upper estimate of the error by terms that the method neglects, after settling, over the
+    #: highest screw speed: of the carrier speeds, or, under a prescribed torque, of the screw speed.
+    #: `None` if no terms are neglected.
     error_estimate: Annotated[Scalar | None, In("1")] = None
     #: Longest time constant in which carriers settle, where the method neglects settling [s].
     time_constant: Annotated[Scalar | None, In("s")] = None

@@ -17,13 +17,19 @@ from ...mechanism import Mechanism
 from ...numerics import above_or_nan
 from ...programs import physics
 from .._kinematics import StageKinematics
-from ..forces import Motion, Scenario, StageState, all_push, chain_forces, drive_once
+from ..forces import Drive, Motion, Scenario, StageState, all_push, chain_forces, drive_once
 from ..histories import CarrierHistory, SolverReport
 from ..solvers import QuasiSteady
 from ..steady import balanced_carrier_ratio, steady_motion
-from ._carrier_motion import Problem, carrier_acceleration
+from ._carrier_motion import (
+    Problem,
+    carrier_acceleration,
+    driven_states,
+    jumps_at_standstill,
+)
 
-#: Limits, on the carrier ratio, of the lag behind the balance and of the estimated error.
+#: Limits of the lag behind the balance, and of the estimated error; both are carrier ratios, or
+#: carrier speeds over the highest screw speed.
 _LARGEST_SHIFT, _LARGEST_ERROR = 0.03, 1.0
 
 
@@ -79,13 +85,24 @@ def quasi_steady_states(
     return states, jnp.stack(ratios[::-1]), valid & all_push(states)
 
 
-def states_at_ratios(
-    problem: Problem, time: Scalar, ratios: Float[Array, " stages"]
+def _states_at(
+    problem: Problem,
+    motion: Drive,
+    carrier_speed: Float[Array, " stages"],
+    ratios: Float[Array, " stages"],
 ) -> tuple[StageState, ...]:
-    """Forces of all stages at given carrier ratios, which are defined at standstill too."""
-    mechanism, kinematics, scenario = problem.mechanism, problem.kinematics, problem.scenario
-    speed, acceleration, load = drive_once(scenario, time)
+    """Forces of all stages at given carrier speeds [rad/s].
+
+    Where friction jumps at standstill, its directions there are those of impending motion, which
+    follow from the carrier ratios.
+    """
+    mechanism, kinematics = problem.mechanism, problem.kinematics
+    if not jumps_at_standstill(mechanism):
+        return driven_states(mechanism, kinematics, motion, carrier_speed)
+    speed, acceleration, load = motion
     sense = sense_of(speed, acceleration)
+    turns = speed != 0
+    ratios = jnp.where(turns, carrier_speed / jnp.where(turns, speed, 1.0), ratios)
 
     def motion_of(index: int, flank_sign: Scalar, _, axial_acceleration) -> Motion:
         own_sense, own_speed = flank_sign * sense, flank_sign * speed
@@ -96,8 +113,19 @@ def states_at_ratios(
     return chain_forces(mechanism, kinematics, motion_of, speed, sense, load, acceleration)
 
 
-def _followed(problem: Problem, time: Scalar):
-    """Lag of the carriers behind their balance, the balance, and the time constants of settling.
+class _Balance(NamedTuple):
+    """The balance at one time, and how fast the carriers follow it."""
+
+    #: Carrier ratios in balance, and their change in time [1/s].
+    ratios: Float[Array, " stages"]
+    drift: Float[Array, " stages"]
+    #: Time constants in which the carriers settle, 1/|∂ω̇/∂ω|; 0 without friction [s].
+    lag: Float[Array, " stages"]
+    valid: Bool[Array, ""]
+
+
+def _followed(problem: Problem, time: Scalar) -> tuple[Float[Array, " stages"], _Balance]:
+    """Lag of the carrier ratios behind their balance, and the balance.
 
     The balance moves, `Ω ζ̇`, and the carriers follow it at their rates `|∂ω̇/∂ω|`: they lag behind
     by `ζ̇ / |∂ω̇/∂ω|`, to first order.
@@ -110,20 +138,22 @@ def _followed(problem: Problem, time: Scalar):
         )
         return ratios, valid
 
-    moves = callable(scenario.speed) or callable(scenario.load)
-    if moves:
+    if _moves(scenario):
         ratios, drift, valid = jax.jvp(balanced, (time,), (jnp.ones_like(time),), has_aux=True)
     else:
         ratios, valid = balanced(time)
         drift = jnp.zeros_like(ratios)
     drive = drive_once(scenario, time)
-    speed = drive.speed
-    slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, drive, w))(ratios * speed)
+    slopes = jax.jacfwd(lambda w: carrier_acceleration(problem, drive, w))(ratios * drive.speed)
     rates = jnp.abs(jnp.diagonal(slopes))
-    # At standstill carriers follow without delay.
-    moving = above_or_nan(rates) & (speed != 0)
+    # Exact Coulomb friction at standstill: carriers follow without delay.
+    moving = above_or_nan(rates)
     lag = jnp.where(moving, 1 / jnp.where(moving, rates, 1.0), 0.0)
-    return lag * drift, (ratios, lag, valid)
+    return lag * drift, _Balance(ratios, drift, lag, valid)
+
+
+def _moves(scenario: Scenario) -> bool:
+    return callable(scenario.speed) or callable(scenario.load)
 
 
 class Neglected(NamedTuple):
@@ -133,15 +163,17 @@ class Neglected(NamedTuple):
     valid: Bool[Array, ""]
     #: Time constants in which the carriers settle [s].
     lag: Float[Array, " stages"]
-    #: Estimate of the error of the carrier ratios.
-    ratio_error: Float[Array, " stages"]
+    #: Estimate of the error of the carrier speeds over the highest screw speed.
+    speed_error: Float[Array, " stages"]
 
 
 def quasi_steady_at(problem: Problem) -> Callable[[Scalar], tuple[CarrierHistory, Neglected]]:
     """A function for the motion of quasi-steady carriers, and the error of this approximation.
 
-    The carriers lag behind the balance by a first-order shift, which is subtracted. The remaining
-    error is of second order; its estimate is the shift of that shift.
+    The carriers lag behind the balance by a first-order shift, which is subtracted. One step of
+    Newton's method on their equation of motion, `ω̇ = F(ω)`, with the acceleration of the shifted
+    motion on the left, follows. The remaining error is of third order; its estimate is that step,
+    which is of second order.
 
     **Arguments:**
 
@@ -149,28 +181,52 @@ def quasi_steady_at(problem: Problem) -> Callable[[Scalar], tuple[CarrierHistory
 
     **Returns:** a function of a time [s].
     """
-    scenario, inertia = problem.scenario, problem.inertia
+    inertia = problem.inertia
 
     def at(time: Scalar) -> tuple[CarrierHistory, Neglected]:
-        if callable(scenario.speed) or callable(scenario.load):
+        motion = drive_once(problem.scenario, time)
+        if _moves(problem.scenario):
             shift, change, balance = jax.jvp(
                 lambda t: _followed(problem, t), (time,), (jnp.ones_like(time),), has_aux=True
             )
+            # Where the load passes through zero nothing drives the carriers, and their first-order
+            # lag would be unbounded.
+            ratios = balance.ratios - jnp.clip(shift, -_LARGEST_SHIFT, _LARGEST_SHIFT)
+            drift = balance.drift - change
+            step = _step_to_equation_of_motion(problem, motion, ratios, drift, balance.lag)
         else:
-            shift, balance = _followed(problem, time)
-            change = shift
-        ratios, lag, valid = balance
-        # Where the load passes through zero nothing drives the carriers, and their first-order lag
-        # would be unbounded.
-        ratios = ratios - jnp.clip(shift, -_LARGEST_SHIFT, _LARGEST_SHIFT)
-        states = states_at_ratios(problem, time, ratios)
+            _, balance = _followed(problem, time)
+            ratios, step = balance.ratios, jnp.zeros_like(balance.ratios)
+        bound = _LARGEST_SHIFT * problem.speed_scale
+        speeds = ratios * motion.speed + jnp.clip(step, -bound, bound)
+        states = _states_at(problem, motion, speeds, ratios)
         drives = jnp.stack([state.forces.carrier_drive for state in states])
-        motion = drive_once(scenario, time)
-        history = CarrierHistory(*motion, ratios * motion[0], states, drives / inertia)
-        error = jnp.minimum(jnp.abs(change) * lag, _LARGEST_ERROR)
-        return history, Neglected(valid & all_push(states), lag, error)
+        history = CarrierHistory(*motion, speeds, states, drives / inertia)
+        error = jnp.minimum(jnp.abs(step) / problem.speed_scale, _LARGEST_ERROR)
+        return history, Neglected(balance.valid & all_push(states), balance.lag, error)
 
     return at
+
+
+def _step_to_equation_of_motion(
+    problem: Problem,
+    motion: Drive,
+    ratios: Float[Array, " stages"],
+    drift: Float[Array, " stages"],
+    lag: Float[Array, " stages"],
+) -> Float[Array, " stages"]:
+    """One step of Newton's method from carriers that move with given ratios [rad/s].
+
+    **Arguments:**
+
+    - `problem`, `motion`: the scene, and its drive at this time.
+    - `ratios`, `drift`: carrier ratios, and their change in time [1/s].
+    - `lag`: 1/|∂ω̇/∂ω| [s].
+    """
+    rates = drift * motion.speed
+    if motion.acceleration is not None:
+        rates = rates + ratios * motion.acceleration
+    return lag * (carrier_acceleration(problem, motion, ratios * motion.speed) - rates)
 
 
 def quasi_steady_report(neglected: Neglected) -> SolverReport:
