@@ -142,7 +142,7 @@ def _is_replaced(equation: JaxprEqn) -> bool:
     if equation.primitive.name not in _NAMES:
         return False
     (angle,) = equation.invars
-    return isinstance(angle, Var) and angle.aval.dtype == jnp.float64
+    return isinstance(angle, Var) and getattr(angle.aval, "dtype", None) == jnp.float64
 
 
 def _replacement(equation: JaxprEqn, pair: dict[str, Var]) -> list[JaxprEqn]:

@@ -172,7 +172,7 @@ def depends_on_motion(load: ArrayLike | Callable[..., Scalar]) -> bool:
     return sum(p.default is p.empty and p.kind in positional for p in parameters) > 1
 
 
-def value_at(driven: Driven, time: Scalar) -> Scalar:
+def value_at(driven: Profile | Scalar | Callable[..., Scalar], time: Scalar) -> Scalar:
     """A number, or a function of time at a time [s]."""
     if not callable(driven):
         return driven
