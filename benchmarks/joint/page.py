@@ -33,8 +33,9 @@ errors of Jacobians.
 _WHY = """\
 XLA for CPUs recomputes the operands of a concatenation or a stack for each of its elements. Before
 the correction, the Jacobian of the first row of the actuator took 724 µs per design when
-concatenated and 10 µs as a dictionary. Parts of the physics now run in branches of a condition
-(`numerics.apart`), into which XLA does not fuse later operations. Each part is cut into pieces of a
+concatenated and 10 µs as a dictionary. Parts of the physics are now calls that XLA
+does not replace by their operations (`numerics.apart`), so that it does not fuse later operations
+into them. Each part is cut into pieces of a
 few dozen operations where few numbers pass from one piece to the next: within a part, too, XLA
 repeats the calculation of a number for each operation that uses it.
 

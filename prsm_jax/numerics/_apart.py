@@ -19,9 +19,9 @@ def apart(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Re
 
     XLA on a CPU fuses operations that use a value with the operations that compute it, and
     recomputes the value for each use; its search for fusions grows faster than the program. It does
-    neither across a condition, so pieces of the function become branches of conditions whose
-    outcome is hidden from the compiler (`in_pieces`). The other branches are never taken. Values
-    and derivatives are those of the function itself; outside a trace it is called directly.
+    neither across a call that it does not replace by the operations of the function, so pieces of
+    the function become such calls (`in_pieces`). Values and derivatives are those of the function
+    itself; outside a trace it is called directly.
 
     **Arguments:**
 

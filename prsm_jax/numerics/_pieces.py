@@ -7,6 +7,7 @@ from weakref import WeakKeyDictionary
 
 import jax
 import jax.numpy as jnp
+from jax.experimental.xla_metadata import set_xla_metadata
 from jax.extend.core import ClosedJaxpr, Jaxpr, JaxprEqn, Literal, Var, jaxpr_as_fun
 
 #: Operations of a piece at most, without derivatives.
@@ -26,24 +27,24 @@ _OFCALLS: WeakKeyDictionary[ClosedJaxpr, dict[int, Callable[..., list[jax.Array]
 )
 
 
-def _hidden(traced: ClosedJaxpr, arguments: Sequence[Any]) -> list[jax.Array]:
-    """Results of a program as one branch of a condition whose outcome XLA does not know.
+def _separate(traced: ClosedJaxpr, arguments: Sequence[Any]) -> list[jax.Array]:
+    """Results of a program as a call that XLA does not replace by the operations of the program.
 
-    XLA neither fuses nor recomputes across a condition. The other branch is NaN or 0, and never
-    taken.
+    XLA neither fuses nor recomputes across such a call. Calls within the program are replaced.
     """
-    return jax.lax.cond(
-        jax.lax.optimization_barrier(jnp.asarray(True)),
-        jaxpr_as_fun(traced),
-        lambda *_: [_none(value) for value in traced.out_avals],
-        *arguments,
-    )
+
+    def piece(*arguments):
+        with set_xla_metadata(inlineable="true"):
+            return jaxpr_as_fun(traced)(*arguments)
+
+    with set_xla_metadata(inlineable="false"):
+        return jax.jit(piece)(*arguments)
 
 
 def in_pieces(
     traced: ClosedJaxpr, operations: int = _MOST_OPERATIONS
 ) -> Callable[..., list[jax.Array]]:
-    """A program as a sequence of conditions, each with a piece of it.
+    """A program as a sequence of calls, each of a piece of it.
 
     XLA on a CPU may repeat the operations behind a number for each operation that uses it.
     Repetitions multiply along a chain: the Hessian of an efficiency had ten times as many
@@ -83,14 +84,14 @@ def in_pieces(
 
 
 def _evaluated(piece: ClosedJaxpr, values: Sequence[Any], operations: int) -> list[jax.Array]:
-    """Results of a piece, as one branch of a condition.
+    """Results of a piece, as a call that stays one.
 
-    A long function is a piece by itself, and outside of conditions: its own pieces are in them. One
-    with its own derivative has its cuts from its author, as `find_roots_and` has.
+    A long function is a piece by itself, without such a call: its own pieces are calls. One with
+    its own derivative has its cuts from its author, as `find_roots_and` has.
     """
     equation = piece.jaxpr.eqns[0]
     if len(piece.jaxpr.eqns) > 1 or _operations(equation) <= operations:
-        return _hidden(piece, values)
+        return _separate(piece, values)
     if equation.primitive.name not in CALLS:
         return jaxpr_as_fun(piece)(*values)
     known = dict(zip(piece.jaxpr.invars, values, strict=True))
@@ -172,8 +173,3 @@ def _piece(
     outputs = [v for v in made if last.get(v, -1) >= end]
     piece = jaxpr.replace(constvars=own, invars=inputs, outvars=outputs, eqns=equations)
     return ClosedJaxpr(piece, [constants[v] for v in own])
-
-
-def _none(value) -> jax.Array:
-    inexact = jnp.issubdtype(value.dtype, jnp.inexact)
-    return jnp.full(value.shape, jnp.nan if inexact else 0, value.dtype)

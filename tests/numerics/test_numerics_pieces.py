@@ -55,9 +55,14 @@ def _cut(function, operations, *arguments):
     return in_pieces(jax.make_jaxpr(function)(*arguments), operations)
 
 
-def _conditions(function, *arguments):
-    traced = jax.make_jaxpr(function)(*arguments)
-    return [e for e in traced.jaxpr.eqns if e.primitive.name == "cond"]
+def _pieces(jaxpr):
+    """Programs of the calls that are pieces."""
+    named = [e for e in jaxpr.eqns if e.params.get("name") == "piece"]
+    return [e.params["jaxpr"].jaxpr for e in named]
+
+
+def _traced(function, *arguments):
+    return jax.make_jaxpr(function)(*arguments).jaxpr
 
 
 @settings(deadline=None, max_examples=20)
@@ -113,22 +118,17 @@ def test_a_cut_is_where_few_numbers_pass():
     """Of 70 operations in pieces of at most 40, one number passes from the first to the second."""
     numbers = [array(k + 1.0) for k in range(3)]
     cut = _cut(lambda *x: [_waists(x)], 40, *numbers)
-    conditions = _conditions(cut, *numbers)
-    assert [len(c.outvars) for c in conditions] == [1, 1]
+    assert [len(piece.outvars) for piece in _pieces(_traced(cut, *numbers))] == [1, 1]
 
 
 @pytest.mark.parametrize("operations", [6, 12, 24])
 def test_no_piece_is_longer_than_allowed(operations):
     numbers = [array(k + 1.0) for k in range(3)]
     cut = _cut(lambda *x: [_waists(x)], operations, *numbers)
-    conditions = _conditions(cut, *numbers)
     arithmetic = {"mul", "add"}
     lengths = [
-        max(
-            sum(e.primitive.name in arithmetic for e in branch.jaxpr.eqns)
-            for branch in condition.params["branches"]
-        )
-        for condition in conditions
+        sum(e.primitive.name in arithmetic for e in piece.eqns)
+        for piece in _pieces(_traced(cut, *numbers))
     ]
     assert sum(lengths) == 2 * (24 + 11)
     # Only the last may be shorter than half.
@@ -136,8 +136,8 @@ def test_no_piece_is_longer_than_allowed(operations):
     assert min(lengths[:-1]) >= operations / 2
 
 
-def test_a_large_function_with_its_own_derivative_stays_outside_of_conditions():
-    """Its author cuts it; conditions within conditions would be traced several times."""
+def test_a_large_function_with_its_own_derivative_is_not_a_piece():
+    """Its author cuts it."""
 
     @jax.custom_jvp
     def large(x):
@@ -145,10 +145,9 @@ def test_a_large_function_with_its_own_derivative_stays_outside_of_conditions():
 
     large.defjvp(lambda primals, tangents: (large(*primals), 2 * tangents[0]))
     cut = _cut(lambda x: [large(x + 1.0) * 2.0], 8, array(0.1))
-    traced = jax.make_jaxpr(cut)(array(0.1))
-    names = [e.primitive.name for e in traced.jaxpr.eqns]
-    assert names.count("custom_jvp_call") == 1
-    assert names.count("cond") == 2
+    traced = _traced(cut, array(0.1))
+    assert [e.primitive.name for e in traced.eqns].count("custom_jvp_call") == 1
+    assert len(_pieces(traced)) == 2
     assert jax.grad(lambda x: cut(x)[0])(array(0.1)) == 4.0
 
 
@@ -165,12 +164,11 @@ def test_a_long_function_is_cut_once_for_all_of_its_calls():
 
     cut = _cut(twice, 8, array(0.1))
     other = _cut(lambda x: [long(x)], 8, array(0.1))
-    programs = [jax.make_jaxpr(one)(array(0.1)).jaxpr for one in (cut, other)]
-    calls = [e for jaxpr in programs for e in jaxpr.eqns if e.primitive.name in ("jit", "pjit")]
+    programs = [_traced(one, array(0.1)) for one in (cut, other)]
+    calls = [e for jaxpr in programs for e in jaxpr.eqns if e.params.get("name") == "run"]
     assert len(calls) == 3
     assert len({id(call.params["jaxpr"]) for call in calls}) == 1
-    inner = calls[0].params["jaxpr"].jaxpr.eqns
-    assert [e.primitive.name for e in inner].count("cond") == 2
+    assert len(_pieces(calls[0].params["jaxpr"].jaxpr)) == 2
     assert traced_physics(cut, array(0.1)) == {"long"}
     np.testing.assert_allclose(cut(array(0.1))[0], twice(array(0.1))[0], rtol=1e-14)
 
@@ -188,8 +186,8 @@ def test_a_long_equation_does_not_make_a_piece_longer_than_allowed():
             x = jnp.sin(x)
         return [x]
 
-    conditions = _conditions(_cut(chain, 40, array(0.1)), array(0.1))
-    lengths = [max(len(b.jaxpr.eqns) for b in c.params["branches"]) for c in conditions]
+    pieces = _pieces(_traced(_cut(chain, 40, array(0.1)), array(0.1)))
+    lengths = [len(piece.eqns) for piece in pieces]
     assert max(lengths) <= 40
     assert len(lengths) <= 8
 
@@ -218,6 +216,23 @@ def test_a_long_function_of_a_constant():
 def test_laws_keep_their_names():
     cut = _cut(_everything, 4, array(1.0), array(2.0))
     assert traced_physics(cut, array(1.0), array(2.0)) == {"a_law"}
+
+
+@pytest.mark.parametrize("second", [lambda f: f, lambda f: jax.jacfwd(jax.jacrev(f))])
+def test_pieces_are_calls_in_the_compiled_program(second):
+    """Those of derivatives too; small functions within a piece, here `jnp.where`, are not."""
+
+    def chain(x):
+        for _ in range(12):
+            x = jnp.where(x > 1, x * 0.5, x * x + 0.1)
+        return [x]
+
+    cut = _cut(chain, 8, array(0.3))
+    program = jax.jit(jax.vmap(second(lambda x: cut(x)[0])))
+    text = present(program.lower(jnp.linspace(0.1, 0.9, 5)).compile().as_text())
+    calls = [line for line in text.splitlines() if " call(" in line]
+    assert len(calls) >= 4
+    assert all("to_apply=%piece" in line for line in calls)
 
 
 def test_a_hessian_has_fewer_operations():
