@@ -69,7 +69,7 @@ class SolverReport(DesignResult):
     code: Int[Array, ""]
     name: str = eqx.field(static=True)
     #: Upper estimate of the error by terms that the method neglects, after settling, over the
-    #: highest screw speed: of the carrier speeds, or, under a prescribed torque, of the screw speed.
+    #: highest screw speed: of the carrier speeds; under a prescribed torque, of the screw speed.
     #: `None` if no terms are neglected.
     error_estimate: Annotated[Scalar | None, In("1")] = None
     #: Longest time constant in which carriers settle, where the method neglects settling [s].
