@@ -85,13 +85,8 @@ ASSERTED = [
     ),
     (
         "quasi-steady transients",
-        "2e-8",
-        "dynamics/speed_drive/test_analytic_quasi_steady.py::test_error_is_what_the_estimate_says",
-    ),
-    (
-        "quasi-steady transients",
-        "0.3",
-        "dynamics/speed_drive/test_analytic_quasi_steady.py::test_error_is_what_the_estimate_says",
+        "3e-10",
+        "dynamics/speed_drive/test_analytic_quasi_steady.py::test_error_is_below_the_estimate",
     ),
     ("extreme scenes", "1e-6", "dynamics/speed_drive/test_extreme_dynamics.py::BOUND"),
     ("extreme scenes", "2e-6", "dynamics/speed_drive/test_extreme_dynamics.py::BOUND"),

@@ -55,6 +55,7 @@ def test_error_is_below_the_estimate():
     error, found, exact = _error(two, scenario, lambda run: run.carrier_ratio)
     estimate = float(present(found.solver.error_estimate))
     assert 5e-9 < estimate < 2e-8
+    assert error < 3e-10
     assert error < estimate / 30
     torque = np.asarray(exact.drive_torque)
     np.testing.assert_allclose(found.drive_torque[5:], torque[5:], atol=1e-9 * torque.max())
