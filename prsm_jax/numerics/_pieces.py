@@ -22,7 +22,7 @@ _WITHOUT_ARITHMETIC = frozenset((
 #: Calls; XLA writes the operations of the function in their place.
 CALLS = frozenset(("jit", "pjit"))
 #: Functions that are called, in pieces: for each program, by the most operations of a piece.
-_OFCALLS: WeakKeyDictionary[ClosedJaxpr, dict[int, Callable[..., list[jax.Array]]]] = (
+_OF_CALLS: WeakKeyDictionary[ClosedJaxpr, dict[int, Callable[..., list[jax.Array]]]] = (
     WeakKeyDictionary()
 )
 
@@ -106,7 +106,7 @@ def _evaluated(piece: ClosedJaxpr, values: Sequence[Any], operations: int) -> li
 
 def _called_in_pieces(traced: ClosedJaxpr, operations: int) -> Callable[..., list[jax.Array]]:
     """A function that is called, in pieces; JAX differentiates it once for all of its calls."""
-    known = _OFCALLS.setdefault(traced, {})
+    known = _OF_CALLS.setdefault(traced, {})
     if operations not in known:
         known[operations] = jax.jit(in_pieces(traced, operations))
     return known[operations]
