@@ -77,10 +77,11 @@ def test_derivatives_follow_the_time_of_a_reversal(transform, gradient):
     """By swing and mean, which move it, and by friction, which does not.
 
     Steps that kept the reversal at its time were off by 1.6 % and 5 %. At this tolerance the error
-    of the derivatives, and of the differences, is 2e-5 of them.
+    of the derivatives, and of the differences, is 1e-5 of them. At ten times the tolerance it is
+    2e-5 to 6e-5: which steps are taken depends on the rounding of the drive.
     """
-    found = jax.jit(transform(lambda values: _end(values, gradient, 1e-10)))(jnp.asarray(_POINT))
-    np.testing.assert_allclose(found, _differences(1e-10), rtol=5e-5)
+    found = jax.jit(transform(lambda values: _end(values, gradient, 1e-11)))(jnp.asarray(_POINT))
+    np.testing.assert_allclose(found, _differences(1e-11), rtol=5e-5)
 
 
 def test_a_time_moves_with_the_reversal_next_to_it():
