@@ -7,7 +7,7 @@ sinusoidal screw speed.
 
 import functools
 from collections.abc import Callable
-from typing import Any, ParamSpec
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import jax
@@ -16,8 +16,6 @@ from jax.core import Tracer
 from jax.extend.core import ClosedJaxpr, JaxprEqn, Var, jaxpr_as_fun
 
 from ._pieces import CALLS
-
-_Parameters = ParamSpec("_Parameters")
 
 _NAMES = ("sin", "cos")
 #: Programs in which something was replaced. JAX differentiates each program once, also if it is
@@ -90,9 +88,7 @@ def _slopes(primals, tangents):
     return (sine, cosine), (cosine * change, -sine * change)
 
 
-def with_batched_trigonometry(
-    function: Callable[_Parameters, Any],
-) -> Callable[_Parameters, Any]:
+def with_batched_trigonometry(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function with `sine_and_cosine` in place of XLA's sine and cosine of float64.
 
     Sine and cosine of one angle are computed together. Functions that it calls are included; bodies
@@ -104,9 +100,9 @@ def with_batched_trigonometry(
     """
 
     @functools.wraps(function, updated=())
-    def run(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> Any:
-        if kwargs or not any(isinstance(x, Tracer) for x in args):
-            return function(*args, **kwargs)
+    def run(*args: Any) -> Any:
+        if not any(isinstance(x, Tracer) for x in args):
+            return function(*args)
         (result,) = jaxpr_as_fun(_replaced(jax.make_jaxpr(function)(*args)))(*args)
         return result
 

@@ -72,11 +72,12 @@ def test_smooth_friction_through_standstill():
     scenario = _swing(0.0, 100.0)
     error, found, exact = _error(one, scenario, lambda run: run.carrier_speed / 100.0)
     estimate = float(present(found.solver.error_estimate))
-    assert error < estimate < 1e-4
+    assert error < estimate < 1e-5
     standing = np.argmin(np.abs(np.asarray(exact.screw_speed))[5:-5]) + 5
     lag = np.asarray(exact.carrier_speed)[0, standing]
     assert abs(lag) > 1e-7 * 100.0
-    np.testing.assert_allclose(found.carrier_speed[0, standing], lag, rtol=0.5)
+    # One step overshoots: friction changes within the lag. The balance alone has no lag at all.
+    np.testing.assert_allclose(found.carrier_speed[0, standing], lag, rtol=0.4)
     assert prsm.dynamics.choose_method(one, scenario).method == "rosenbrock"
 
 
