@@ -168,6 +168,8 @@ def _solved(
     """
     import diffrax
 
+    from ..solvers._sampled import LAST_STATE, sampled, states_at_samples
+
     moved = _moved_with_reversals(rate, end, args, scene)
     if again is None:
         controller = controller_of(
@@ -189,11 +191,17 @@ def _solved(
     solver = scene.method.make_solver(scene.rtol, scene.atol, autonomous=static.autonomous)
     if again is not None:
         solver = with_tolerances(solver, scene.method.own_controller, scene.rtol, scene.atol)
+    own_samples = None
     if record:
         save_at = diffrax.SaveAt(steps=True, fn=lambda time, state, args: time)
     else:
         times = jnp.linspace(0.0, 1.0, static.samples, dtype=end.dtype) * end
         save_at = diffrax.SaveAt(ts=times)
+        if again is None:
+            # Not with recorded steps: reverse mode would store all samples at every checkpoint.
+            own_samples = sampled(solver, times, few_steps=static.autonomous)
+    if own_samples is not None:
+        solver, save_at = own_samples, LAST_STATE
     result = diffrax.diffeqsolve(
         diffrax.ODETerm(rate),
         solver,
@@ -209,7 +217,8 @@ def _solved(
         throw=False,
     )
     counts = result.stats["num_accepted_steps"], result.stats["num_rejected_steps"]
-    solution = _Solution(result.ys, *counts, code_of(result.result))
+    states = result.ys if own_samples is None else states_at_samples(result)
+    solution = _Solution(states, *counts, code_of(result.result))
     assert result.ts is not None
     return solution, result.ts
 
