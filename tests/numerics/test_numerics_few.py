@@ -72,5 +72,6 @@ def test_no_step_of_a_transient_has_a_reduction(speed):
         return run.carrier_speed
 
     found = set(_inside_loops(jax.make_jaxpr(jax.vmap(states))(jnp.linspace(5e3, 7e3, 3)).jaxpr))
-    assert "while" in found
+    # The root of the slip speed: the equation of motion is among them.
+    assert "rsqrt" in found
     assert not found & {"dot_general", "reduce_sum", "reduce_max", "reduce_min", "argmax"}
