@@ -65,9 +65,10 @@ CASES: dict[str, tuple[str, str]] = {
         "Transients of many designs",
         "Map the closed form or the quasi-steady balance where they apply: pass "
         "`method=prsm.dynamics.choose_method(…).method`, because inside `vmap` the numbers are "
-        "unknown and RODASP is used. Integrate only where it is necessary, in chunks of a few "
-        "hundred designs, because a batch takes as many steps as its slowest member. One thread "
-        "per core, each with its own chunks, halves the time on two cores.",
+        "unknown and RODASP is used. Integrate only where it is necessary. A batch takes as many "
+        "steps as its slowest member: use chunks of about a hundred designs with explicit methods, "
+        "and all designs at once with RODASP. For batches of a few hundred missions, one thread "
+        "per core, each with its own designs, halves the time on two cores.",
     ),
     "torque_runs": (
         "Runs under a prescribed torque",
