@@ -24,7 +24,7 @@ _MOST_WITH_FEW_STEPS, _MOST_WITH_MANY_STEPS = 256, 64
 
 
 class Sampled(diffrax.AbstractAdaptiveSolver[Any]):
-    """Wraps a solver without memory; its own memory is the samples."""
+    """Wraps a solver without memory, and stores the states at the samples."""
 
     term_structure: ClassVar = diffrax.AbstractTerm
 
@@ -46,7 +46,7 @@ class Sampled(diffrax.AbstractAdaptiveSolver[Any]):
         return self.solver.func(terms, t0, y0, args)
 
     def init(self, terms, t0, t1, y0, args) -> Any:
-        """The end of the last step, and the states at the samples, infinite where none is known."""
+        """The end of the last step, and the states at the samples: infinite after that time."""
         del terms, t1, args
         past = self.times <= t0
         one = jax.vmap(lambda passed, y: jnp.where(passed, y, jnp.inf), (0, None), -1)
