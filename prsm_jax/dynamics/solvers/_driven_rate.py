@@ -4,7 +4,7 @@ On a CPU, XLA recomputes a value for every consumer that it is fused with. A ste
 sinusoidal screw speed had 141 sines and cosines instead of 15; they took two thirds of its time.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import equinox as eqx
@@ -36,19 +36,30 @@ class DrivenRate(eqx.Module):
     - `rate`: function of (result of `drive`, state, args) to the rate of the state.
     - `leader`: function of (result of `drive`, args) to a number that all states follow nearly in
       proportion, and its rate; `None` if there is none.
+    - `chain`: for states in a chain, where the rate of a state depends on that state and on those
+      after it: the same as `rate`, of a list of numbers to a list of numbers. Else `None`.
+    - `constant`: whether the drive is the same at all times.
     """
 
     drive: Callable[[Scalar, Any], Any]
     rate: Callable[[Any, Any, Any], Any]
     leader: Callable[[Any, Any], tuple[Scalar, Scalar]] | None = None
+    chain: Callable[[Any, Sequence[Scalar], Any], Sequence[Scalar]] | None = None
+    constant: bool = eqx.field(static=True, default=False)
 
     def __call__(self, time: Scalar, state: Any, args: Any) -> Any:
         """The rate at one time."""
-        return self.rate(apart(_called)(self.drive, time, args), state, args)
+        return self.rate(self.drive_at(time, args), state, args)
 
-    def directly(self, time: Scalar, state: Any, args: Any) -> Any:
-        """The same without separate evaluation of the drive; suits a constant drive."""
-        return self.rate(self.drive(time, args), state, args)
+    def drive_at(self, time: Scalar, args: Any) -> Any:
+        """The drive at one time."""
+        if self.constant:
+            return self.drive(time, args)
+        return apart(_called)(self.drive, time, args)
+
+    def with_constant_drive(self) -> "DrivenRate":
+        """The same where the drive is constant: it is then not evaluated separately."""
+        return DrivenRate(self.drive, self.rate, chain=self.chain, constant=True)
 
     def closed(self, time: Scalar, state: Any, args: Any) -> "DrivenRate":
         """The same with all traced values that its functions use as leaves of this pytree.
@@ -56,11 +67,13 @@ class DrivenRate(eqx.Module):
         **Arguments:** examples of the arguments of a call.
         """
         drives = eqx.filter_eval_shape(self.drive, time, args)
-        leader = self.leader
+        leader, chain = self.leader, self.chain
         return DrivenRate(
             converted(self.drive, time, args),
             converted(self.rate, drives, state, args),
             None if leader is None else converted(leader, drives, args),
+            None if chain is None else converted(chain, drives, list(state), args),
+            self.constant,
         )
 
     def leading(self, time: Scalar, args: Any) -> Callable[[Scalar, Any], tuple[Scalar, Scalar]]:
@@ -82,11 +95,15 @@ class DrivenRate(eqx.Module):
     def drives_at(self, times: Float[Array, " times"], args: Any) -> tuple[list[Any], Any]:
         """The drive at several times, and its rate of change at the first of them.
 
+        A constant drive is evaluated once, and its rate of change is `None`.
+
         **Arguments:**
 
         - `times`: at least two.
         - `args`: as in a call.
         """
+        if self.constant:
+            return [self.drive(times[0], args)], None
 
         def evaluated(drive, times, args):
             def at(time):

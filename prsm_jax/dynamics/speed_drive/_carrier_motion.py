@@ -1,6 +1,6 @@
 """The carriers' equation of motion, and its scales."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import equinox as eqx
@@ -113,7 +113,7 @@ def carrier_acceleration(
 ) -> Float[Array, " stages"]:
     """ω̇ of every stage [rad/s²]."""
     if problem.reduced is not None:
-        return reduced_rates(problem.reduced, *drive, carrier_speed)
+        return jnp.stack(reduced_rates(problem.reduced, *drive, carrier_speed))
     if moves_nut(problem.mechanism):
         return _acceleration_with_nut(problem, drive, carrier_speed)
     states = driven_states(problem.mechanism, problem.kinematics, drive, carrier_speed)
@@ -159,6 +159,16 @@ def _scaled_rate(drive: Drive, ratio: Float[Array, " stages"], problem: Problem)
     return rate * (problem.time_scale / problem.speed_scale)
 
 
+@physics("carrier_dynamics")
+def _scaled_rates(drive: Drive, ratios: Sequence[Scalar], problem: Problem) -> list[Scalar]:
+    """The same, one by one."""
+    if problem.reduced is None:
+        return list(_scaled_rate(drive, jnp.stack(ratios), problem))
+    speeds = [ratio * problem.speed_scale for ratio in ratios]
+    scale = problem.time_scale / problem.speed_scale
+    return [rate * scale for rate in reduced_rates(problem.reduced, *drive, speeds)]
+
+
 def _scaled_speed(drive: Drive, problem: Problem) -> tuple[Scalar, Scalar]:
     """Scaled speed of the screw, which the carriers follow, and its rate."""
     rate = jnp.zeros_like(drive.speed) if drive.acceleration is None else drive.acceleration
@@ -166,7 +176,7 @@ def _scaled_speed(drive: Drive, problem: Problem) -> tuple[Scalar, Scalar]:
 
 
 #: d(ω/Ω₀)/d(t/τ): both state and time of order one, so that one tolerance fits every scene.
-scaled_rate: DrivenRate = DrivenRate(_scaled_drive, _scaled_rate, _scaled_speed)
+scaled_rate: DrivenRate = DrivenRate(_scaled_drive, _scaled_rate, _scaled_speed, _scaled_rates)
 
 
 def carrier_problem(

@@ -73,7 +73,7 @@ def _both_rates(one, speed, slope, load, ratios):
         states = states_at(one, kinematics, scenario, array(0.0), carriers)
         full = jnp.stack([s.forces.carrier_drive for s in states]) / inertia
         chain = reduced_chain(one, kinematics, inertia)
-        return full, reduced_rates(present(chain), speed, slope, load, carriers)
+        return full, jnp.stack(reduced_rates(present(chain), speed, slope, load, carriers))
 
     return jax.vmap(at)(speed, slope, load, ratios)
 
