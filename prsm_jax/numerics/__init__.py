@@ -4,6 +4,10 @@ Nothing here calls LAPACK, whose batched calls deadlock between threads of one p
 """
 
 from ._apart import apart as apart
+from ._inverse import inverse as inverse
+from ._inverse import inverse_root as inverse_root
+from ._inverse import quotient as quotient
+from ._merged import merged as merged
 from ._cubic import root_above_one as root_above_one
 from ._elimination import (
     Factors as Factors,

@@ -9,12 +9,11 @@ motion does not.
 from typing import NamedTuple
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 
 from ...fields import Scalar
 from ...mechanism import Stage
-from ...numerics import above_or_nan, dot_few
+from ...numerics import above_or_nan, dot_few, inverse_root, quotient
 from ...programs import physics
 from .._kinematics import StageKinematics
 from ..friction import friction_coefficient, has_contact_losses
@@ -96,7 +95,7 @@ def reduced_forces(
     slips = above_or_nan(square)
     # Divisions and roots dominate the cost of a step: here are one root and one division; XLA takes
     # others out of loops, such as that by the number of rollers.
-    inverse_speed = jnp.where(slips, jax.lax.rsqrt(jnp.where(slips, square, 1.0)), 0.0)
+    inverse_speed = jnp.where(slips, inverse_root(jnp.where(slips, square, 1.0)), 0.0)
     slip_speed = square * inverse_speed
     # Friction per slip speed: it is parallel to the slip.
     per_force = constant = jnp.zeros_like(slip_speed)
@@ -109,7 +108,8 @@ def reduced_forces(
     remainder = axial_force * (1 / count) + constant * axial_slip
     # A stage that is loaded in the other direction is the same stage seen from its other end.
     flank_sign = jnp.where(remainder < 0, -1.0, 1.0).astype(remainder.dtype)
-    force = flank_sign * remainder / (reduced.normal_axial - per_force * flank_sign * axial_slip)
+    resistance = reduced.normal_axial - per_force * flank_sign * axial_slip
+    force = quotient(flank_sign * remainder, resistance)
     friction = per_force * force + constant
     turning = speed * reduced.contact_radius**2 - carrier_speed * reduced.drive * reduced.along
     moment = flank_sign * force * reduced.normal_moment + friction * turning

@@ -27,7 +27,7 @@ from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Bool, Float, PyTree
 
 from ...fields import Scalar
-from ...numerics import any_few, apart
+from ...numerics import any_few, apart, merged
 from ._dense_output import OneStep, StepInterpolation
 from ._driven_rate import DrivenRate
 from ._following import INSIDE, Following, following_of
@@ -169,7 +169,7 @@ def _taken(motion: _Motion, flat: Float[Array, " states"], t0: Scalar, t1: Scala
             right = right + length * _D[index] * slope
         stages.append(solve(right))
     grows = _grows(motion.jacobian.diagonal, t0, t1)
-    return _finished(point + stages[5], stages, grows, following)
+    return apart(_finished)(point + stages[5], stages, grows, following)
 
 
 def _finished(end, stages, grows, following=None) -> _Taken:
@@ -204,6 +204,8 @@ def _driven_motion(
     last, length = len(drives) - 1, _length_of(t0, t1)
 
     def driven(drive, state):
+        if field.chain is not None:
+            return jnp.stack(field.chain(drive, list(state), args))
         return ravel_pytree(field.rate(drive, unflatten(state), args))[0]
 
     if field.chain is not None:
@@ -224,6 +226,10 @@ def _driven_motion(
 @eqx.filter_custom_jvp
 def _chain_taken(field, drives, change, t0, t1, flat, args) -> _Taken:
     """A step of states in a chain; its derivatives are those of the solution."""
+    return merged(_chain_taken_plain)(field, drives, change, t0, t1, flat, args)
+
+
+def _chain_taken_plain(field, drives, change, t0, t1, flat, args) -> _Taken:
     motion = _driven_motion(field, drives, change, t0, t1, flat, args, lambda state: state)
     return _taken(motion, flat, t0, t1)
 
@@ -235,6 +241,10 @@ def _chain_taken_jvp(primals, tangents):
     The derivative of the arithmetic of a step would need six derivatives of rates, and second
     derivatives in every direction of the state.
     """
+    return merged(_chain_taken_jvp_plain)(primals, tangents)
+
+
+def _chain_taken_jvp_plain(primals, tangents):
     field, drives, _, t0, t1, flat, args = primals
     d_field, d_drives, _, d_t0, d_t1, d_flat, d_args = tangents
     taken = _chain_taken(*primals)

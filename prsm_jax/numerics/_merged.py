@@ -1,0 +1,124 @@
+"""Programs in which no operation is repeated.
+
+XLA moves what does not change out of a loop before it looks for operations that are the same: two
+equal products of such numbers become two numbers of the loop, and nothing that uses them is merged
+afterwards. A step of an integration had its slip velocities and roots up to six times. So equal
+operations are merged when the step is traced.
+"""
+
+import functools
+from collections.abc import Callable, Hashable
+from typing import Any, ParamSpec, TypeVar
+
+import equinox as eqx
+import jax
+import numpy as np
+from jax.extend.core import ClosedJaxpr, Jaxpr, JaxprEqn, Literal, jaxpr_as_fun
+
+from ._pieces import CALLS
+
+_Parameters = ParamSpec("_Parameters")
+_Result = TypeVar("_Result")
+
+
+def merged(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
+    """A function whose program has each operation once.
+
+    Values and derivatives are those of the function.
+
+    **Arguments:**
+
+    - `function`: a pure function; its arguments and results are pytrees of arrays and other
+      objects. It must not use traced values other than its arguments.
+    """
+    plain: Callable[..., Any] = function
+
+    @functools.wraps(function)
+    def run(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> _Result:
+        numbers, others = eqx.partition((args, kwargs), eqx.is_array)
+        leaves, structure = jax.tree.flatten(numbers)
+        output: list[Any] = []
+
+        def of_numbers(*leaves):
+            args, kwargs = eqx.combine(jax.tree.unflatten(structure, leaves), others)
+            numbers, rest = eqx.partition(plain(*args, **kwargs), eqx.is_array)
+            leaves, output[:] = jax.tree.leaves(numbers), (jax.tree.structure(numbers), rest)
+            return leaves
+
+        results = _Evaluation()(jax.make_jaxpr(of_numbers)(*leaves), leaves)
+        return eqx.combine(jax.tree.unflatten(output[0], results), output[1])
+
+    return run
+
+
+class _Evaluation:
+    """Evaluates programs, and looks up operations that it has evaluated before."""
+
+    def __init__(self):
+        self.results: dict[Hashable, list[Any]] = {}
+        #: Keeps values alive, because they are known by their addresses.
+        self.values: list[Any] = []
+
+    def __call__(self, traced: ClosedJaxpr, arguments: list[Any]) -> list[Any]:
+        jaxpr = traced.jaxpr
+        known: dict[Any, Any] = dict(zip(jaxpr.constvars, traced.consts, strict=True))
+        known.update(zip(jaxpr.invars, arguments, strict=True))
+
+        def value(atom):
+            return atom.val if isinstance(atom, Literal) else known[atom]
+
+        for equation in jaxpr.eqns:
+            found = self._of(jaxpr, equation, [value(atom) for atom in equation.invars])
+            known.update(zip(equation.outvars, found, strict=True))
+        return [value(atom) for atom in jaxpr.outvars]
+
+    def _of(self, jaxpr: Jaxpr, equation: JaxprEqn, values: list[Any]) -> list[Any]:
+        name, parameters = equation.primitive.name, equation.params
+        if name in CALLS and not _is_separate(equation):
+            with jax.named_scope(str(equation.source_info.name_stack)):
+                return self(parameters["jaxpr"], values)
+        key: Hashable = (
+            name,
+            tuple(
+                (str(atom.aval), _name(value))
+                for atom, value in zip(equation.invars, values, strict=True)
+            ),
+            tuple(sorted(parameters.items(), key=lambda item: item[0])),
+        )
+        try:
+            known = None if equation.effects else self.results.get(key)
+        except TypeError:
+            # A parameter that cannot be compared: only the same equation, met again in the same
+            # function, is the same operation.
+            key = (id(equation), *key[1:2])
+            known = self.results.get(key)
+        if known is not None:
+            return known
+        inputs = [atom for atom in equation.invars if not isinstance(atom, Literal)]
+        unique = list(dict.fromkeys(inputs))
+        alone = jaxpr.replace(
+            constvars=[], invars=unique, outvars=equation.outvars, eqns=[equation]
+        )
+        given = {
+            atom: value
+            for atom, value in zip(equation.invars, values, strict=True)
+            if not isinstance(atom, Literal)
+        }
+        results = jaxpr_as_fun(ClosedJaxpr(alone, []))(*(given[v] for v in unique))
+        self.values += [*values, *results]
+        if key is not None:
+            self.results[key] = results
+        return results
+
+
+def _name(value: Any) -> Hashable:
+    """The same for two values only if they are equal."""
+    return id(value) if np.ndim(value) or isinstance(value, jax.Array) else (repr(value),)
+
+
+def _is_separate(equation: JaxprEqn) -> bool:
+    metadata = equation.ctx.xla_metadata or {}
+    return metadata.get("inlineable") == "false"
+
+
+__all__ = ["merged"]
