@@ -36,12 +36,17 @@ class StepInterpolation(diffrax.AbstractLocalInterpolation):
         return self._at(share)
 
     def at_all(self, times: Float[Array, " times"]) -> PyTree:
-        """The solution at several times, which are along the last axis."""
+        """The solution at several times: for each array, a list of the values of its numbers."""
         length = self.t1 - self.t0
         inverse = 1 / jnp.where(length > 0, length, 1.0)
         # The state at the end of the step is known, without the rounding of the share.
-        share = jnp.where(times == self.t1, 1.0, (times - self.t0) * inverse)
-        return jax.vmap(self._at, out_axes=-1)(share)
+        return self._at_shares(jnp.where(times == self.t1, 1.0, (times - self.t0) * inverse))
+
+    def _at_shares(self, shares: Float[Array, " times"]) -> PyTree:
+        return jax.tree.map(
+            lambda x: list(x.reshape(-1, shares.size)),
+            jax.vmap(self._at, out_axes=-1)(shares),
+        )
 
 
 class OneStep(diffrax.AbstractAdaptiveSolver[Any]):

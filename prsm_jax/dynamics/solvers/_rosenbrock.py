@@ -100,6 +100,12 @@ def _combined(weights: tuple[float, ...], stages: list[Array]) -> Array:
     return total
 
 
+def _cubic(share, y0, y1, first, second):
+    inside = y0 + share * ((y1 - y0) + (1 - share) * (first + share * second))
+    # A state at rest, and the end itself, are free of the rounding of weights.
+    return jnp.where(share == 1, y1, inside)
+
+
 class RodasInterpolation(StepInterpolation):
     """Between two steps: `(1 − s) y₀ + s (y₁ + (1 − s)(p + s q))`, locally of order 3."""
 
@@ -107,12 +113,15 @@ class RodasInterpolation(StepInterpolation):
     second: PyTree
 
     def _at(self, share: Scalar) -> PyTree:
-        rest = 1 - share
+        return jax.tree.map(
+            lambda *parts: _cubic(share, *parts), self.y0, self.y1, self.first, self.second
+        )
 
-        def at(y0, y1, first, second):
-            inside = y0 + share * ((y1 - y0) + rest * (first + share * second))
-            # A state at rest, and the end itself, are free of the rounding of weights.
-            return jnp.where(share == 1, y1, inside)
+    def _at_shares(self, shares: Float[Array, " times"]) -> PyTree:
+        # One number after the other: in arrays of several, times would not be innermost.
+        def at(*parts):
+            numbers = zip(*(part.ravel() for part in parts), strict=True)
+            return [_cubic(shares, *number) for number in numbers]
 
         return jax.tree.map(at, self.y0, self.y1, self.first, self.second)
 

@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 import diffrax
 import jax
 import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, PyTree
 
 from ._dense_output import OneStep, StepInterpolation
@@ -49,8 +50,7 @@ class Sampled(diffrax.AbstractAdaptiveSolver[Any]):
         """The end of the last step, and the states at the samples: infinite after that time."""
         del terms, t1, args
         past = self.times <= t0
-        one = jax.vmap(lambda passed, y: jnp.where(passed, y, jnp.inf), (0, None), -1)
-        return t0, jax.tree.map(lambda y: one(past, y), y0)
+        return t0, [jnp.where(past, y, jnp.inf) for y in _numbers(y0)]
 
     def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
         """A step of the solver that is wrapped, and the samples up to its end."""
@@ -60,9 +60,15 @@ class Sampled(diffrax.AbstractAdaptiveSolver[Any]):
         states = between.at_all(self.times)
         # A step after a break begins behind it, and a sample on the break belongs to that step.
         inside = (self.times > until) & (self.times <= t1)
-        keep = jax.vmap(jnp.where, -1, -1)
-        values = jax.tree.map(lambda new, old: keep(inside, new, old), states, values)
+        values = [
+            jnp.where(inside, new, old)
+            for new, old in zip(jax.tree.leaves(states), values, strict=True)
+        ]
         return y1, error, dense, (t1, values), result
+
+
+def _numbers(state: PyTree) -> list[Array]:
+    return [number for leaf in jax.tree.leaves(state) for number in leaf.ravel()]
 
 
 def sampled(solver: Any, times: Float[Array, " samples"], few_steps: bool) -> Sampled | None:
@@ -86,7 +92,10 @@ def states_at_samples(solution: diffrax.Solution) -> PyTree:
     """States at the samples of an integration by `Sampled`, with samples along the first axis."""
     state: Any = solution.solver_state
     _, values = state
-    return jax.tree.map(lambda x: jnp.moveaxis(x, -1, 0), values)
+    end: Any = solution.ys
+    states = jnp.stack(values, axis=-1)
+    _, unflatten = ravel_pytree(jax.tree.map(lambda y: y[0], end))
+    return jax.vmap(unflatten)(states)
 
 
 __all__ = ["LAST_STATE", "Sampled", "sampled", "states_at_samples"]
