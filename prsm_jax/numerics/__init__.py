@@ -4,10 +4,6 @@ Nothing here calls LAPACK, whose batched calls deadlock between threads of one p
 """
 
 from ._apart import apart as apart
-from ._inverse import inverse as inverse
-from ._inverse import inverse_root as inverse_root
-from ._inverse import quotient as quotient
-from ._merged import merged as merged
 from ._cubic import root_above_one as root_above_one
 from ._elimination import (
     Factors as Factors,
@@ -37,7 +33,9 @@ from ._jacobi import (
     hermitian_eigenvalues as hermitian_eigenvalues,
     singular_values as singular_values,
 )
+from ._merged import merged as merged
 from ._pieces import in_pieces as in_pieces
+from ._quotient import inverse_root as inverse_root, quotient as quotient
 from ._root import find_root as find_root, find_root_of as find_root_of
 from ._small_solve import solve_small as solve_small
 from ._stretches import over_samples as over_samples

@@ -77,23 +77,18 @@ class _Evaluation:
         if name in CALLS and not _is_separate(equation):
             with jax.named_scope(str(equation.source_info.name_stack)):
                 return self(parameters["jaxpr"], values)
-        key: Hashable = (
-            name,
-            tuple(
-                (str(atom.aval), _name(value))
-                for atom, value in zip(equation.invars, values, strict=True)
-            ),
-            tuple(sorted(parameters.items(), key=lambda item: item[0])),
+        operands = tuple(
+            (str(atom.aval), _name(value))
+            for atom, value in zip(equation.invars, values, strict=True)
         )
+        key: Hashable = name, tuple(sorted(parameters.items(), key=_first)), operands
         try:
-            known = None if equation.effects else self.results.get(key)
+            hash(key)
         except TypeError:
-            # A parameter that cannot be compared: only the same equation, met again in the same
-            # function, is the same operation.
-            key = (id(equation), *key[1:2])
-            known = self.results.get(key)
-        if known is not None:
-            return known
+            # Parameters that cannot be compared: only the same equation of the same function.
+            key = id(equation), operands
+        if key in self.results and not equation.effects:
+            return self.results[key]
         inputs = [atom for atom in equation.invars if not isinstance(atom, Literal)]
         unique = list(dict.fromkeys(inputs))
         alone = jaxpr.replace(
@@ -106,9 +101,12 @@ class _Evaluation:
         }
         results = jaxpr_as_fun(ClosedJaxpr(alone, []))(*(given[v] for v in unique))
         self.values += [*values, *results]
-        if key is not None:
-            self.results[key] = results
+        self.results[key] = results
         return results
+
+
+def _first(item: tuple[str, Any]) -> str:
+    return item[0]
 
 
 def _name(value: Any) -> Hashable:

@@ -191,9 +191,6 @@ def _solved(
 
         controller, adjoint = Again(again, moved), static.gradient.adjoint()
     solver = scene.method.make_solver(scene.rtol, scene.atol, autonomous=static.autonomous)
-    import os, dataclasses
-    if os.environ.get("OWN")=="1" and hasattr(solver,"variational"):
-        solver = dataclasses.replace(solver, variational=True)
     if again is not None:
         solver = with_tolerances(solver, scene.method.own_controller, scene.rtol, scene.atol)
     own_samples = None

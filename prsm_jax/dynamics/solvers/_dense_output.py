@@ -23,7 +23,7 @@ class StepInterpolation(diffrax.AbstractLocalInterpolation):
     y1: PyTree
 
     @abstractmethod
-    def _at(self, share: Scalar) -> PyTree:
+    def at_share(self, share: Scalar) -> PyTree:
         """The solution at a share of the step, from 0 to 1."""
 
     def evaluate(self, t0, t1=None, left: bool = True):
@@ -33,7 +33,7 @@ class StepInterpolation(diffrax.AbstractLocalInterpolation):
         length = self.t1 - self.t0
         # diffrax makes a step of zero length before the first one.
         share = jnp.where(length > 0, (t0 - self.t0) / jnp.where(length > 0, length, 1.0), 0.0)
-        return self._at(share)
+        return self.at_share(share)
 
     def at_all(self, times: Float[Array, " times"]) -> PyTree:
         """The solution at several times: for each array, a list of the values of its numbers."""
@@ -45,7 +45,7 @@ class StepInterpolation(diffrax.AbstractLocalInterpolation):
     def _at_shares(self, shares: Float[Array, " times"]) -> PyTree:
         return jax.tree.map(
             lambda x: list(x.reshape(-1, shares.size)),
-            jax.vmap(self._at, out_axes=-1)(shares),
+            jax.vmap(self.at_share, out_axes=-1)(shares),
         )
 
 

@@ -41,16 +41,17 @@ class ChainJacobian(NamedTuple):
         """∂f_i/∂y_i."""
         return [row[0] for row in self.rows]
 
-    def after(self, index: int, values: Sequence[Scalar]) -> list[Scalar]:
-        """Products of a row and those of as many values that come after the diagonal."""
+    def after(self, index: int, later: Sequence[Scalar]) -> list[Scalar]:
+        """Products of the entries of a row after the diagonal with as many numbers."""
         row = self.rows[index][1:]
-        return [entry * value for entry, value in zip(row, values[index + 1 :], strict=True)]
+        return [entry * value for entry, value in zip(row, later, strict=True)]
 
     def times(self, vector: Float[Array, " states"]) -> Float[Array, " states"]:
         """The product with a vector."""
         values = list(vector)
         products = [
-            _sum([row[0] * values[k], *self.after(k, values)]) for k, row in enumerate(self.rows)
+            _sum([row[0] * values[k], *self.after(k, values[k + 1 :])])
+            for k, row in enumerate(self.rows)
         ]
         return jnp.stack(products)
 
@@ -63,7 +64,7 @@ class ChainJacobian(NamedTuple):
         def solve(right: Float[Array, " states"]) -> Float[Array, " states"]:
             values = list(right)
             for k in reversed(range(len(values))):
-                values[k] = _sum([values[k], *self.after(k, values)]) * inverses[k]
+                values[k] = _sum([values[k], *self.after(k, values[k + 1 :])]) * inverses[k]
             return jnp.stack(values)
 
         return solve
@@ -125,9 +126,7 @@ def chain_jacobian(
     return ChainJacobian([[columns[j][i] for j in range(i, count)] for i in range(count)])
 
 
-def node_inverses(
-    jacobians: Sequence[ChainJacobian], length: Scalar
-) -> list[list[list[Scalar]]]:
+def node_inverses(jacobians: Sequence[ChainJacobian], length: Scalar) -> list[list[list[Scalar]]]:
     """For each state, the inverse of `I − h diag(J) A` at the nodes of Lobatto's method.
 
     **Arguments:**
@@ -171,24 +170,20 @@ def node_slopes(
     - `start`: z at the start of the step.
     """
     nodes = range(len(NODES))
-    #: h ż and z at the nodes, for each state.
-    slopes: list[Any] = [None] * len(start)
-    values: list[Any] = [None] * len(start)
+    # h ż of the states from the last on, and for each node z of them in order.
+    slopes: list[list[Scalar]] = []
+    later: list[list[Scalar]] = [[] for _ in nodes]
     for k in reversed(range(len(start))):
-        right = []
-        for node in nodes:
-            others = [None if z is None else z[node] for z in values]
-            own = jacobians[node].rows[k][0] * start[k]
-            right.append(
-                forcing[node][k] + length * _sum([own, *jacobians[node].after(k, others)])
-            )
+        right = [
+            given[k] + length * _sum([jacobian.rows[k][0] * start[k], *jacobian.after(k, rest)])
+            for given, jacobian, rest in zip(forcing, jacobians, later, strict=True)
+        ]
         found = [_sum([row[j] * right[j] for j in nodes]) for row in inverses[k]]
-        slopes[k] = found
+        slopes.append(found)
         if k > 0:
-            values[k] = [
-                start[k] + _sum([_MATRIX[i][j] * found[j] for j in nodes]) for i in nodes
-            ]
-    return slopes
+            values = [start[k] + _sum([_MATRIX[i][j] * found[j] for j in nodes]) for i in nodes]
+            later = [[value, *rest] for value, rest in zip(values, later, strict=True)]
+    return slopes[::-1]
 
 
 __all__ = [

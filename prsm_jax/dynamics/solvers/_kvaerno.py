@@ -75,7 +75,7 @@ class KvaernoInterpolation(StepInterpolation):
     #: c₁ to c₅ along the first axis.
     powers: PyTree
 
-    def _at(self, share: Scalar) -> PyTree:
+    def at_share(self, share: Scalar) -> PyTree:
         def at(y0, y1, powers):
             total = powers[-1]
             for power in powers[-2::-1]:
