@@ -1,0 +1,154 @@
+"""Derivatives of states in a chain follow the variational equation along the solution."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scenes import example
+
+import prsm_jax as prsm
+from prsm_jax.dynamics.histories._integration import Settings, integrated
+from prsm_jax.dynamics.solvers import DrivenRate, Rodasp, gradient_of
+from prsm_jax.scenario import SineProfile
+
+
+def _drive(time, args):
+    return jnp.sin(args["frequency"] * time), args["frequency"] * jnp.cos(args["frequency"] * time)
+
+
+def _chain(drive, state, args):
+    first, second = state
+    size = 1 + 0.2 * jnp.tanh(first * second)
+    return [
+        args["stiffness"] * (0.4 * drive[0] - first * size) + jnp.tanh(second),
+        0.5 * args["stiffness"] * (args["share"] * drive[0] - second - 0.1 * second**3),
+    ]
+
+
+def _rate(drive, state, args):
+    return jnp.stack(_chain(drive, list(state), args))
+
+
+def _leader(drive, _):
+    return drive
+
+
+_IN_CHAIN = DrivenRate(_drive, _rate, _leader, _chain)
+_ANY = DrivenRate(_drive, _rate, _leader)
+_POINT = jnp.array([30.0, 6.0, -0.7])
+
+
+def _states(rate, gradient="forward", rtol=1e-6, constant=False):
+    settings = Settings(Rodasp(), gradient_of(gradient), rtol, 0.01 * rtol, 4096)
+
+    def states(point):
+        args = {"stiffness": point[0], "frequency": point[1], "share": point[2]}
+        start, end = jnp.array([0.2, 0.1]), jnp.asarray(2.0)
+        return integrated(
+            rate, start, end, jnp.zeros(0), 21, settings, args=args, autonomous=constant
+        )[0]
+
+    return states
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
+def test_they_are_as_exact_as_those_of_the_arithmetic(rtol):
+    exact = jax.jit(jax.jacfwd(_states(_ANY, rtol=1e-12)))(_POINT)
+    scale = jnp.abs(exact).max((0, 1), keepdims=True)
+    errors = [
+        float(
+            jnp.max(jnp.abs(jax.jit(jax.jacfwd(_states(rate, rtol=rtol)))(_POINT) - exact) / scale)
+        )
+        for rate in (_IN_CHAIN, _ANY)
+    ]
+    assert errors[0] < max(3 * errors[1], 30 * rtol)
+
+
+def test_values_are_those_of_the_same_steps():
+    found = [jax.jit(_states(rate))(_POINT) for rate in (_IN_CHAIN, _ANY)]
+    np.testing.assert_allclose(*found, rtol=1e-11, atol=1e-13)
+
+
+def test_reverse_mode_is_the_transpose_of_forward_mode():
+    weights = jnp.linspace(1.0, 2.0, 42).reshape(21, 2)
+
+    def total(gradient):
+        return lambda point: jnp.sum(weights * _states(_IN_CHAIN, gradient)(point))
+
+    forward = jax.jit(jax.jacfwd(total("both")))(_POINT)
+    for gradient in ("both", "reverse"):
+        reverse = jax.jit(jax.grad(total(gradient)))(_POINT)
+        np.testing.assert_allclose(reverse, forward, rtol=1e-10)
+
+
+def test_second_derivatives_are_differences_of_the_first():
+    def total(point):
+        return jnp.sum(_states(_IN_CHAIN, rtol=1e-10)(point)[:, 0] ** 2)
+
+    slope = jax.jit(jax.jacfwd(total))
+    second = jax.jit(jax.jacfwd(jax.jacfwd(total)))(_POINT)
+    for k, step in enumerate((1e-3, 1e-4, 1e-5)):
+        ahead = jnp.zeros(3).at[k].set(step)
+        differences = (slope(_POINT + ahead) - slope(_POINT - ahead)) / (2 * step)
+        # Slopes have errors of 1e-9, which differences divide by their step.
+        np.testing.assert_allclose(second[k], differences, atol=5e-5 * float(second.max()))
+
+
+def test_a_constant_drive():
+    """The frequency has no effect then, and a parameter acts through the rates alone."""
+    found = jax.jit(jax.jacfwd(_states(_IN_CHAIN, rtol=1e-9, constant=True)))
+    still = _POINT.at[1].set(0.0)
+    exact = jax.jit(jax.jacfwd(_states(_ANY, rtol=1e-12, constant=True)))(still)
+    np.testing.assert_allclose(found(still)[..., ::2], exact[..., ::2], atol=1e-8)
+
+
+@jax.custom_jvp
+def _once(x):
+    return jnp.tanh(x)
+
+
+@jax.custom_jvp
+def _slope_of_once(x):
+    return 1 - jnp.tanh(x) ** 2
+
+
+@_once.defjvp
+def _(primals, tangents):
+    return _once(*primals), _slope_of_once(*primals) * tangents[0]
+
+
+@_slope_of_once.defjvp
+def _(primals, tangents):
+    raise AssertionError("a second derivative")
+
+
+def test_first_derivatives_need_no_second_derivatives_of_the_rates():
+    def chain(drive, state, args):
+        return [args["stiffness"] * (_once(args["share"] * drive[0]) - y) for y in state]
+
+    def rate(drive, state, args):
+        return jnp.stack(chain(drive, list(state), args))
+
+    for gradient, mode in (("forward", jax.jacfwd), ("reverse", jax.jacrev)):
+        slopes = mode(_states(DrivenRate(_drive, rate, _leader, chain), gradient))(_POINT)
+        assert bool(jnp.all(jnp.isfinite(slopes)))
+    with pytest.raises(AssertionError, match="a second derivative"):
+        jax.jacfwd(_states(DrivenRate(_drive, rate, _leader)))(_POINT)
+
+
+def test_derivatives_stay_bounded_over_reversals_with_exact_friction():
+    """At 1e-5 steps over a reversal multiplied derivatives by up to 1e33 in all."""
+    chain = example("li2021_two_stage")
+
+    def ratio(amplitude, rtol):
+        swing = SineProfile(amplitude=amplitude, frequency=jnp.asarray(5.0))
+        scenario = prsm.Scenario(swing, jnp.asarray(1e3), jnp.asarray(0.45), samples=30)
+        run = prsm.simulate(
+            chain, scenario, method="rosenbrock", gradient="forward", rtol=rtol, atol=0.01 * rtol
+        )
+        return run.carrier_speed[:, 1:] / 100.0
+
+    amplitude = jnp.asarray(100.0)
+    of = jax.jit(jax.jacfwd(ratio))
+    found, exact = of(amplitude, 1e-5), of(amplitude, 1e-9)
+    assert float(jnp.abs(found - exact).max()) < 1e-2 * float(jnp.abs(exact).max())
