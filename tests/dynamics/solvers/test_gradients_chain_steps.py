@@ -39,29 +39,27 @@ _POINT = jnp.array([30.0, 6.0, -0.7])
 
 
 def _states(rate, gradient="forward", rtol=1e-6, constant=False):
-    settings = Settings(Rodasp(), gradient_of(gradient), rtol, 0.01 * rtol, 4096)
+    settings = Settings(Rodasp(), gradient_of(gradient), rtol, 0.01 * rtol, 20_000)
 
     def states(point):
         args = {"stiffness": point[0], "frequency": point[1], "share": point[2]}
         start, end = jnp.array([0.2, 0.1]), jnp.asarray(2.0)
-        return integrated(
+        found, report = integrated(
             rate, start, end, jnp.zeros(0), 21, settings, args=args, autonomous=constant
-        )[0]
+        )
+        return jnp.where(report.code == 0, found, jnp.nan)
 
     return states
 
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
-def test_they_are_as_exact_as_those_of_the_arithmetic(rtol):
+def test_errors_are_of_the_size_of_the_tolerance(rtol):
+    """Those of the steps' arithmetic are a half to a third of them, at more than twice the time."""
     exact = jax.jit(jax.jacfwd(_states(_ANY, rtol=1e-12)))(_POINT)
     scale = jnp.abs(exact).max((0, 1), keepdims=True)
-    errors = [
-        float(
-            jnp.max(jnp.abs(jax.jit(jax.jacfwd(_states(rate, rtol=rtol)))(_POINT) - exact) / scale)
-        )
-        for rate in (_IN_CHAIN, _ANY)
-    ]
-    assert errors[0] < max(3 * errors[1], 30 * rtol)
+    found = jax.jit(jax.jacfwd(_states(_IN_CHAIN, rtol=rtol)))(_POINT)
+    # 3.3, 2.4 and 2.0 tolerances.
+    assert float(jnp.max(jnp.abs(found - exact) / scale)) < 5 * rtol
 
 
 def test_values_are_those_of_the_same_steps():
