@@ -1,9 +1,9 @@
-"""Programs in which no operation is repeated.
+"""Programs in which equal operations are merged.
 
-XLA moves what does not change out of a loop before it looks for operations that are the same: two
-equal products of such numbers become two numbers of the loop, and nothing that uses them is merged
-afterwards. A step of an integration had its slip velocities and roots up to six times. So equal
-operations are merged when the step is traced.
+XLA first moves operations whose operands do not change out of a loop. Two equal products then enter
+the loop as different inputs, and operations that use them cannot be merged any more: a step of an
+integration evaluated slip velocities and roots up to six times. So equal operations are merged when
+the step is traced.
 """
 
 import functools
@@ -12,6 +12,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.extend.core import ClosedJaxpr, Jaxpr, JaxprEqn, Literal, jaxpr_as_fun
 
@@ -22,9 +23,10 @@ _Result = TypeVar("_Result")
 
 
 def merged(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
-    """A function whose program has each operation once.
+    """A function in whose program equal operations are merged, also across calls by `jit`.
 
-    Values and derivatives are those of the function.
+    Separate parts (`apart`), loops, and functions with derivatives of their own are merged as a
+    whole, not inside. Values and derivatives are those of the function.
 
     **Arguments:**
 
@@ -70,18 +72,18 @@ class _Evaluation:
         for equation in jaxpr.eqns:
             found = self._of(jaxpr, equation, [value(atom) for atom in equation.invars])
             known.update(zip(equation.outvars, found, strict=True))
-        return [value(atom) for atom in jaxpr.outvars]
+        return [_as_array(value(atom), atom) for atom in jaxpr.outvars]
 
     def _of(self, jaxpr: Jaxpr, equation: JaxprEqn, values: list[Any]) -> list[Any]:
-        name, parameters = equation.primitive.name, equation.params
-        if name in CALLS and not _is_separate(equation):
+        primitive, parameters = equation.primitive, equation.params
+        if primitive.name in CALLS and not _is_separate(equation):
             with jax.named_scope(str(equation.source_info.name_stack)):
                 return self(parameters["jaxpr"], values)
         operands = tuple(
             (str(atom.aval), _name(value))
             for atom, value in zip(equation.invars, values, strict=True)
         )
-        key: Hashable = name, tuple(sorted(parameters.items(), key=_first)), operands
+        key: Hashable = primitive, tuple(sorted(parameters.items(), key=_first)), operands
         try:
             hash(key)
         except TypeError:
@@ -110,8 +112,16 @@ def _first(item: tuple[str, Any]) -> str:
 
 
 def _name(value: Any) -> Hashable:
-    """The same for two values only if they are equal."""
-    return id(value) if np.ndim(value) or isinstance(value, jax.Array) else (repr(value),)
+    """The same for two values only if they are the same array, or equal numbers of one type."""
+    if isinstance(value, jax.Array) or np.ndim(value):
+        return id(value)
+    number = np.asarray(value)
+    return type(value), number.dtype, number.tobytes()
+
+
+def _as_array(value: Any, atom: Any) -> jax.Array:
+    """A result; constants among the results are numbers of Python or NumPy."""
+    return value if isinstance(value, jax.Array) else jnp.asarray(value, atom.aval.dtype)
 
 
 def _is_separate(equation: JaxprEqn) -> bool:

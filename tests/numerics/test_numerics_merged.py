@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 from prsm_jax.numerics import apart, merged, quotient
 
@@ -34,6 +34,7 @@ def test_equal_operations_are_done_once_also_inside_calls():
     assert _count(merged(lambda x: jax.jit(_repeating)(x) + _repeating(x)), "sin", 1.0) == 1
 
 
+@settings(max_examples=25)
 @given(st.floats(-3.0, 3.0))
 def test_values_and_derivatives_are_those_of_the_function(x):
     # Not differentiated where the function has a kink.
@@ -55,6 +56,16 @@ def test_operations_that_differ_in_a_number_or_a_parameter_stay():
     assert _count(merged(different), "sin", x) == 4
     for found, expected in zip(merged(different)(x), different(x), strict=True):
         np.testing.assert_array_equal(found, expected)
+
+
+def test_close_numbers_stay_apart_and_constant_results_are_arrays():
+    def close(x):
+        return x * np.array(1.00000000012) - x * np.array(1.00000000034)
+
+    np.testing.assert_allclose(merged(close)(jnp.asarray(1.0)), -2.2e-10, rtol=1e-5)
+    found = merged(lambda x: (jnp.asarray(0.5), jnp.zeros(()), x))(jnp.asarray(1.0))
+    assert all(isinstance(value, jax.Array) for value in found)
+    assert [float(value) for value in found] == [0.5, 0.0, 1.0]
 
 
 def test_functions_with_their_own_derivatives_are_merged_where_they_are_the_same():

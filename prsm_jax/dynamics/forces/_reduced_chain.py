@@ -67,8 +67,8 @@ def reduced_rates(
 ) -> list[Scalar]:
     """Accelerations of the carriers, one by one [rad/s²].
 
-    That of a stage depends on the speeds of its own carrier and of those after it, whose nuts bear
-    the load; no term contains the speeds of those before it.
+    That of a stage depends on the carrier speeds of this stage and of those after it alone, because
+    the load passes from the last nut to the first screw.
 
     **Arguments:**
 

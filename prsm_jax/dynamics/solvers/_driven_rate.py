@@ -37,7 +37,8 @@ class DrivenRate(eqx.Module):
     - `leader`: function of (result of `drive`, args) to a number that all states follow nearly in
       proportion, and its rate; `None` if there is none.
     - `chain`: for states in a chain, where the rate of a state depends on that state and on those
-      after it: the same as `rate`, of a list of numbers to a list of numbers. Else `None`.
+      after it: the same as `rate`, of a list of numbers to a list of numbers. Else `None`. Traced
+      values that are differentiated must then be leaves of all functions (`closed`).
     - `constant`: whether the drive is the same at all times.
     """
 

@@ -126,6 +126,18 @@ def chain_jacobian(
     return ChainJacobian([[columns[j][i] for j in range(i, count)] for i in range(count)])
 
 
+def _own_rates(jacobians: Sequence[ChainJacobian], index: int, length: Scalar) -> list[Scalar]:
+    """`h ∂f_i/∂y_i` at the nodes, at most 1; in the middle at most 0 between damped ends.
+
+    With faster growth inside a step the equations of the method can be singular. Steps with such
+    growth at their start are rejected; growth that begins within a step has no such check.
+    """
+    first, middle, last = (length * jacobian.rows[index][0] for jacobian in jacobians)
+    damped = jnp.minimum(first, 0.0) * jnp.minimum(last, 0.0) > 1.0
+    most = jnp.where(damped, 0.0, 1.0)
+    return [jnp.minimum(first, 1.0), jnp.minimum(middle, most), jnp.minimum(last, 1.0)]
+
+
 def node_inverses(jacobians: Sequence[ChainJacobian], length: Scalar) -> list[list[list[Scalar]]]:
     """For each state, the inverse of `I − h diag(J) A` at the nodes of Lobatto's method.
 
@@ -137,7 +149,7 @@ def node_inverses(jacobians: Sequence[ChainJacobian], length: Scalar) -> list[li
     nodes = range(len(NODES))
     inverses = []
     for k in range(len(jacobians[0].rows)):
-        rates = [length * jacobian.rows[k][0] for jacobian in jacobians]
+        rates = _own_rates(jacobians, k, length)
         m = [[(1.0 if i == j else 0.0) - _MATRIX[i][j] * rates[i] for j in nodes] for i in nodes]
         # By cofactors, with one division.
         cofactors = [
@@ -175,8 +187,10 @@ def node_slopes(
     later: list[list[Scalar]] = [[] for _ in nodes]
     for k in reversed(range(len(start))):
         right = [
-            given[k] + length * _sum([jacobian.rows[k][0] * start[k], *jacobian.after(k, rest)])
-            for given, jacobian, rest in zip(forcing, jacobians, later, strict=True)
+            given[k] + own * start[k] + sum(length * other for other in jacobian.after(k, rest))
+            for given, own, jacobian, rest in zip(
+                forcing, _own_rates(jacobians, k, length), jacobians, later, strict=True
+            )
         ]
         found = [_sum([row[j] * right[j] for j in nodes]) for row in inverses[k]]
         slopes.append(found)

@@ -1,9 +1,9 @@
 """The solver RODASP for diffrax, order 4(3): for stiff transients of a few states.
 
 Derivatives of states in a chain, as the carriers of a mechanism are, follow the variational
-equation along the solution, not the arithmetic of the steps. They have the same order, and take
-less than half the time: the derivative of a step's arithmetic needs six derivatives of the rates,
-and second derivatives in every direction of the state.
+equation along the solution, not the arithmetic of the steps. These derivatives have the order of
+the values, and take less than half the time: the derivative of a step's arithmetic needs six
+derivatives of the rates, and second derivatives in every direction of the state.
 
 Imports diffrax, so it is itself imported only where something is integrated.
 """
@@ -45,7 +45,7 @@ class RodasInterpolation(StepInterpolation):
         )
 
     def _at_shares(self, shares: Float[Array, " times"]) -> PyTree:
-        # One number after the other: in arrays of several, times would not be innermost.
+        # Scalar by scalar, so that the axis of the times is contiguous.
         def at(*parts):
             numbers = zip(*(part.ravel() for part in parts), strict=True)
             return [_cubic(shares, *number) for number in numbers]
@@ -53,7 +53,9 @@ class RodasInterpolation(StepInterpolation):
         return jax.tree.map(at, self.y0, self.y1, self.first, self.second)
 
 
-def _driven_motion(field: DrivenRate, drives, change, t0, t1, flat, args, unflatten) -> Motion:
+def _driven_motion(
+    field: DrivenRate, drives, change, t0, t1, flat, args, unflatten=lambda flat: flat
+) -> Motion:
     """The equation of motion with its drive at the stages, and the change of the drive."""
     last, length = len(drives) - 1, length_of(t0, t1)
 
@@ -78,7 +80,7 @@ def _driven_motion(field: DrivenRate, drives, change, t0, t1, flat, args, unflat
 
 
 def _chain_step(field, drives, change, t0, t1, flat, args) -> Taken:
-    motion = _driven_motion(field, drives, change, t0, t1, flat, args, lambda state: state)
+    motion = _driven_motion(field, drives, change, t0, t1, flat, args)
     return step_of(motion, flat, t0, t1)
 
 
@@ -177,9 +179,10 @@ class Rodasp(OneStep):
     """RODASP, order 4 with an embedded one of order 3, for stiff problems with few states.
 
     `autonomous` says that the right-hand side does not depend on time: its derivative by time is
-    then not evaluated. `compact` runs the stages in a loop: the right-hand side is then compiled
-    twice instead of eight times, which suits right-hand sides that are long or contain loops.
-    Derivatives of states in a chain (`DrivenRate.chain`) follow the variational equation.
+    then not evaluated. A `DrivenRate` says so itself (`constant`). `compact` runs the stages in a
+    loop: the right-hand side is then compiled twice instead of eight times, which suits right-hand
+    sides that are long or contain loops. Derivatives of states in a chain (`DrivenRate.chain`)
+    follow the variational equation.
     """
 
     autonomous: bool = False

@@ -161,7 +161,7 @@ def _scaled_rate(drive: Drive, ratio: Float[Array, " stages"], problem: Problem)
 
 @physics("carrier_dynamics")
 def _scaled_rates(drive: Drive, ratios: Sequence[Scalar], problem: Problem) -> list[Scalar]:
-    """The same, one by one."""
+    """`_scaled_rate` of a list of scalars, as a list of scalars."""
     if problem.reduced is None:
         return list(_scaled_rate(drive, jnp.stack(ratios), problem))
     speeds = [ratio * problem.speed_scale for ratio in ratios]
