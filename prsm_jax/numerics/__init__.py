@@ -3,7 +3,6 @@
 Nothing here calls LAPACK, whose batched calls deadlock between threads of one process.
 """
 
-from ._apart import apart as apart
 from ._cubic import root_above_one as root_above_one
 from ._elimination import (
     Factors as Factors,
@@ -33,8 +32,6 @@ from ._jacobi import (
     hermitian_eigenvalues as hermitian_eigenvalues,
     singular_values as singular_values,
 )
-from ._merged import merged as merged
-from ._pieces import in_pieces as in_pieces
 from ._quotient import inverse_root as inverse_root, quotient as quotient
 from ._root import find_root as find_root, find_root_of as find_root_of
 from ._small_solve import solve_small as solve_small
@@ -44,3 +41,4 @@ from ._trigonometry import (
     with_batched_trigonometry as with_batched_trigonometry,
 )
 from ._types import Scalar as Scalar
+from .compilation import apart as apart, in_pieces as in_pieces, merged as merged

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 from jax.core import Tracer
 from jax.extend.core import ClosedJaxpr, JaxprEqn, Var, jaxpr_as_fun
 
-from ._pieces import CALLS
+from .compilation import CALLS
 
 _NAMES = ("sin", "cos")
 #: Programs in which something was replaced. JAX differentiates each program once, also if it is
