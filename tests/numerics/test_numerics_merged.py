@@ -63,6 +63,8 @@ def test_close_numbers_stay_apart_and_constant_results_are_arrays():
         return x * np.array(1.00000000012) - x * np.array(1.00000000034)
 
     np.testing.assert_allclose(merged(close)(jnp.asarray(1.0)), -2.2e-10, rtol=1e-5)
+    signs = merged(lambda x: (x * np.array(0.0), x * np.array(-0.0)))(jnp.asarray(1.0))
+    assert [bool(np.signbit(value)) for value in signs] == [False, True]
     found = merged(lambda x: (jnp.asarray(0.5), jnp.zeros(()), x))(jnp.asarray(1.0))
     assert all(isinstance(value, jax.Array) for value in found)
     assert [float(value) for value in found] == [0.5, 0.0, 1.0]
@@ -93,9 +95,13 @@ def test_parts_that_are_compiled_separately_stay_so():
 def test_what_has_an_effect_is_repeated():
     seen = []
 
+    @jax.jit
+    def hear(x):
+        jax.debug.callback(lambda value: seen.append(float(value)), x)
+
     def heard(x):
-        for _ in range(2):
-            jax.debug.callback(lambda value: seen.append(float(value)), x)
+        hear(x)
+        hear(x)
         return x + x
 
     jax.block_until_ready(jax.jit(merged(heard))(2.0))

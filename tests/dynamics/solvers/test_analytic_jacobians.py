@@ -153,8 +153,9 @@ def test_deviations_never_grow_however_time_constants_change(seed):
 
 
 def test_growth_inside_a_step_leaves_derivatives_finite():
-    """Without limits the multiplier of 0, 0 and 6 is infinite, that of −1, 0 and 9 is −3."""
-    sizes = np.concatenate([-np.logspace(-2, 12, 15), [0.0], np.logspace(-2, 12, 15)])
+    """Without limits the multiplier of 0, 0 and 6 is infinite, that of −5, 1 and −5 is −30."""
+    size = np.concatenate([[0.0], np.logspace(-2, 12, 15), np.linspace(2.0, 9.0, 15)])
+    sizes = np.concatenate([-size, size[1:]])
 
     def multiplier(first, middle, last):
         jacobians = [ChainJacobian([[rate]]) for rate in (first, middle, last)]
