@@ -103,7 +103,8 @@ structures. Friction has a kink where a force passes zero. A step across the kin
 the order of its length in derivatives and of the order of its square in values, and tolerances
 control values. Of 714 derivatives 173 have an error of more than 5e-5 of the largest, 52 of more
 than 5e-4, and the worst but those above of 3.9e-3 (contact angle 30°). Derivatives of the steps'
-arithmetic had 104 and 27 of 706, and at a tolerance of 1e-5 many were wrong by orders of magnitude.
+arithmetic had 104 and 27 of 706; but in missions at 5 Hz, at a tolerance of 1e-5, half of the
+designs had one that was off by more than 10 %.
 
 """
 

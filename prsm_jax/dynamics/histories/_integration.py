@@ -106,13 +106,12 @@ def integrated(
     )
     static = _Static(settings.gradient, settings.max_steps, samples, autonomous)
     example = jnp.zeros_like(end), start, args
-    closed: Any = rate
-    if isinstance(rate, DrivenRate):
-        closed = rate.closed(*example)
+    driven = isinstance(rate, DrivenRate)
+    closed: Any = rate.closed(*example) if driven else rate
     if not settings.gradient.reverse and not is_short(end.dtype):
         solution, _ = _solved(closed, start, end, args, scene, static)
     else:
-        if not isinstance(rate, DrivenRate):
+        if not driven:
             closed = converted(rate, *example)
         # A speed function of the user may close over numbers that are differentiated.
         if weight is not None:

@@ -1,13 +1,14 @@
 """Parts of a program that XLA compiles separately."""
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, ParamSpec, TypeVar
 
-import equinox as eqx
 import jax
 from jax.core import Tracer
+from jax.extend.core import ClosedJaxpr
 
+from ._by_program import by_program
 from ._pieces import in_pieces
 
 _Parameters = ParamSpec("_Parameters")
@@ -29,24 +30,14 @@ def apart(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Re
       objects. It must not use traced values other than its arguments.
     """
 
-    plain: Callable[..., Any] = function
-
     @functools.wraps(function)
     def run(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> _Result:
-        numbers, others = eqx.partition((args, kwargs), eqx.is_array)
-        leaves, structure = jax.tree.flatten(numbers)
-        if not any(isinstance(leaf, Tracer) for leaf in leaves):
+        if not any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves((args, kwargs))):
             return function(*args, **kwargs)
-        output: list[Any] = []
-
-        def of_numbers(*leaves):
-            args, kwargs = eqx.combine(jax.tree.unflatten(structure, leaves), others)
-            numbers, rest = eqx.partition(plain(*args, **kwargs), eqx.is_array)
-            leaves, output[:] = jax.tree.leaves(numbers), (jax.tree.structure(numbers), rest)
-            return leaves
-
-        traced = jax.make_jaxpr(of_numbers)(*leaves)
-        results = in_pieces(traced)(*leaves)
-        return eqx.combine(jax.tree.unflatten(output[0], results), output[1])
+        return by_program(function, _in_pieces, args, kwargs)
 
     return run
+
+
+def _in_pieces(traced: ClosedJaxpr, arguments: Sequence[Any]) -> Sequence[Any]:
+    return in_pieces(traced)(*arguments)

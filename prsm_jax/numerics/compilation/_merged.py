@@ -7,15 +7,15 @@ the step is traced.
 """
 
 import functools
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any, ParamSpec, TypeVar
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.extend.core import ClosedJaxpr, Jaxpr, JaxprEqn, Literal, jaxpr_as_fun
 
+from ._by_program import by_program
 from ._pieces import CALLS
 
 _Parameters = ParamSpec("_Parameters")
@@ -33,22 +33,10 @@ def merged(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _R
     - `function`: a pure function; its arguments and results are pytrees of arrays and other
       objects. It must not use traced values other than its arguments.
     """
-    plain: Callable[..., Any] = function
 
     @functools.wraps(function)
     def run(*args: _Parameters.args, **kwargs: _Parameters.kwargs) -> _Result:
-        numbers, others = eqx.partition((args, kwargs), eqx.is_array)
-        leaves, structure = jax.tree.flatten(numbers)
-        output: list[Any] = []
-
-        def of_numbers(*leaves):
-            args, kwargs = eqx.combine(jax.tree.unflatten(structure, leaves), others)
-            numbers, rest = eqx.partition(plain(*args, **kwargs), eqx.is_array)
-            leaves, output[:] = jax.tree.leaves(numbers), (jax.tree.structure(numbers), rest)
-            return leaves
-
-        results = _Evaluation()(jax.make_jaxpr(of_numbers)(*leaves), leaves)
-        return eqx.combine(jax.tree.unflatten(output[0], results), output[1])
+        return by_program(function, _Evaluation(), args, kwargs)
 
     return run
 
@@ -61,7 +49,7 @@ class _Evaluation:
         #: Keeps values alive, because they are known by their addresses.
         self.values: list[Any] = []
 
-    def __call__(self, traced: ClosedJaxpr, arguments: list[Any]) -> list[Any]:
+    def __call__(self, traced: ClosedJaxpr, arguments: Sequence[Any]) -> list[Any]:
         jaxpr = traced.jaxpr
         known: dict[Any, Any] = dict(zip(jaxpr.constvars, traced.consts, strict=True))
         known.update(zip(jaxpr.invars, arguments, strict=True))

@@ -103,7 +103,7 @@ def test_a_constant_drive():
     found = jax.jit(jax.jacfwd(_states(_IN_CHAIN, rtol=1e-9, constant=True)))
     still = _POINT.at[1].set(0.0)
     exact = jax.jit(jax.jacfwd(_states(_ANY, rtol=1e-12, constant=True)))(still)
-    np.testing.assert_allclose(found(still)[..., ::2], exact[..., ::2], atol=1e-8)
+    np.testing.assert_allclose(found(still)[..., ::2], exact[..., ::2], atol=2e-9)
 
 
 @jax.custom_jvp
@@ -158,7 +158,8 @@ def test_derivatives_stay_bounded_over_reversals_with_exact_friction():
     value, step = jax.jit(ratio), 1e-3
     differences = value(amplitude + step, 1e-10) - value(amplitude - step, 1e-10)
     exact = differences / (2 * step)
-    assert float(jnp.abs(found - exact).max()) < 1e-2 * float(jnp.abs(exact).max())
+    # 2.4e-5 was measured.
+    assert float(jnp.abs(found - exact).max()) < 1e-4 * float(jnp.abs(exact).max())
 
 
 def _moved_step(point):
