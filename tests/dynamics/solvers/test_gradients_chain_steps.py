@@ -98,6 +98,18 @@ def test_second_derivatives_are_differences_of_the_first():
         np.testing.assert_allclose(second[k] / scale, differences / scale, atol=3e-6)
 
 
+def test_a_constant_drive_is_evaluated_once_for_a_step():
+    args = {"stiffness": _POINT[0], "frequency": jnp.asarray(0.0), "share": _POINT[2]}
+    time, times = jnp.asarray(0.3), jnp.linspace(0.3, 0.4, 5)
+    constant = _IN_CHAIN.with_constant_drive().closed(time, jnp.zeros(2), args)
+    drives, change = constant.drives_at(times, args)
+    assert len(drives) == 1
+    assert change is None
+    drives, change = _IN_CHAIN.closed(time, jnp.zeros(2), args).drives_at(times, args)
+    assert len(drives) == 5
+    assert change is not None
+
+
 def test_a_constant_drive():
     """The frequency has no effect then, and a parameter acts through the rates alone."""
     found = jax.jit(jax.jacfwd(_states(_IN_CHAIN, rtol=1e-9, constant=True)))
@@ -126,18 +138,20 @@ def _(primals, tangents):
     raise AssertionError("a second derivative")
 
 
-def test_first_derivatives_need_no_second_derivatives_of_the_rates():
+@pytest.mark.parametrize("constant", [False, True])
+def test_first_derivatives_need_no_second_derivatives_of_the_rates(constant):
     def chain(drive, state, args):
-        return [args["stiffness"] * (_once(args["share"] * drive[0]) - y) for y in state]
+        return [args["stiffness"] * (_once(args["share"] * drive[0] + 0.1 * y) - y) for y in state]
 
     def rate(drive, state, args):
         return jnp.stack(chain(drive, list(state), args))
 
     for gradient, mode in (("forward", jax.jacfwd), ("reverse", jax.jacrev)):
-        slopes = mode(_states(DrivenRate(_drive, rate, _leader, chain), gradient))(_POINT)
+        in_chain = DrivenRate(_drive, rate, _leader, chain)
+        slopes = mode(_states(in_chain, gradient, constant=constant))(_POINT)
         assert bool(jnp.all(jnp.isfinite(slopes)))
     with pytest.raises(AssertionError, match="a second derivative"):
-        jax.jacfwd(_states(DrivenRate(_drive, rate, _leader)))(_POINT)
+        jax.jacfwd(_states(DrivenRate(_drive, rate, _leader), constant=constant))(_POINT)
 
 
 def test_derivatives_stay_bounded_over_reversals_with_exact_friction():
