@@ -36,6 +36,7 @@ from ._quotient import inverse_root as inverse_root, quotient as quotient
 from ._root import find_root as find_root, find_root_of as find_root_of
 from ._small_solve import solve_small as solve_small
 from ._stretches import over_samples as over_samples
+from ._transposed import with_transpose as with_transpose
 from ._trigonometry import (
     sine_and_cosine as sine_and_cosine,
     with_batched_trigonometry as with_batched_trigonometry,

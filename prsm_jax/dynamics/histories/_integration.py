@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, DTypeLike, Float, Int
 
 from ...fields import Scalar
@@ -159,6 +160,27 @@ class _Solution(NamedTuple):
     code: Int[Array, ""]
 
 
+def _controller(rate: Any, end: Scalar, args: Any, scene: _Scene) -> tuple[Any, Any]:
+    """Controller of adaptive steps, and a function of time that moves with reversals."""
+    moved = _moved_with_reversals(rate, end, args, scene)
+    controller = controller_of(
+        scene.rtol,
+        scene.atol,
+        scene.breaks,
+        end,
+        scene.longest,
+        scene.weight,
+        scene.standstills,
+        moved,
+        scene.method.own_controller,
+    )
+    return controller, moved
+
+
+def _sample_times(end: Scalar, samples: int) -> Float[Array, " samples"]:
+    return jnp.linspace(0.0, 1.0, samples, dtype=end.dtype) * end
+
+
 def _solved(
     rate: Any, start, end, args, scene: _Scene, static: _Static, *, record=False, again=None
 ) -> tuple[_Solution, Any]:
@@ -171,32 +193,19 @@ def _solved(
 
     from ..solvers._sampled import LAST_STATE, sampled, states_at_samples
 
-    moved = _moved_with_reversals(rate, end, args, scene)
-    if again is None:
-        controller = controller_of(
-            scene.rtol,
-            scene.atol,
-            scene.breaks,
-            end,
-            scene.longest,
-            scene.weight,
-            scene.standstills,
-            moved,
-            scene.method.own_controller,
-        )
-        adjoint = ForwardMode().adjoint()
-    else:
+    controller, moved = _controller(rate, end, args, scene)
+    adjoint = ForwardMode().adjoint()
+    solver = scene.method.make_solver(scene.rtol, scene.atol, autonomous=static.autonomous)
+    if again is not None:
         from ..solvers._recorded_steps import Again
 
         controller, adjoint = Again(again, moved), static.gradient.adjoint()
-    solver = scene.method.make_solver(scene.rtol, scene.atol, autonomous=static.autonomous)
-    if again is not None:
         solver = with_tolerances(solver, scene.method.own_controller, scene.rtol, scene.atol)
     own_samples = None
     if record:
         save_at = diffrax.SaveAt(steps=True, fn=lambda time, state, args: time)
     else:
-        times = jnp.linspace(0.0, 1.0, static.samples, dtype=end.dtype) * end
+        times = _sample_times(end, static.samples)
         save_at = diffrax.SaveAt(ts=times)
         if again is None:
             # Not with recorded steps: reverse mode would store all samples at every checkpoint.
@@ -249,6 +258,8 @@ def _solved_twice_jvp(primals, tangents, *, static):
     from ..solvers._recorded_steps import steps_between
 
     rate, start, end, args, scene = primals
+    if isinstance(rate, DrivenRate) and rate.chain is not None and scene.method.follows_chains:
+        return _followed(primals, tangents, static)
     chosen, starts = _solved(
         still(rate), still(start), still(end), still(args), scene, static, record=True
     )
@@ -263,3 +274,28 @@ def _solved_twice_jvp(primals, tangents, *, static):
     none = jax.tree.map(lambda _: None, chosen)
     # The result code stays that of the first integration: repeated steps do not run out.
     return chosen._replace(states=states), none._replace(states=slopes)
+
+
+def _followed(primals, tangents, static: _Static):
+    """Values of an integration in windows, and derivatives along its steps."""
+    from ..solvers._recorded_solution import Motion, Solution, at_samples
+    from ..solvers._windows import Problem, integrated as integrated_in_windows
+
+    rate, start, end, args, scene = primals
+    flat, unflatten = ravel_pytree(start)
+    controller, _ = _controller(rate, end, args, scene)
+    solver = scene.method.make_solver(scene.rtol, scene.atol, autonomous=static.autonomous)
+    breaks = breaks_inside(scene.breaks, end)
+    problem = Problem(rate, flat, end, args, controller, breaks, solver, static.max_steps)
+    found = integrated_in_windows(problem, _sample_times(end, static.samples))
+    solution = Solution(problem, found.windows, found.states)
+
+    def states(rate, start, end, args):
+        moved = _moved_with_reversals(rate, end, args, scene)
+        times = _sample_times(end, static.samples)
+        motion = Motion(rate, ravel_pytree(start)[0], end, args, times, moved)
+        return jax.vmap(unflatten)(at_samples(motion, solution))
+
+    values, slopes = eqx.filter_jvp(states, (rate, start, end, args), tuple(tangents[:-1]))
+    none = _Solution(slopes, None, None, None)
+    return _Solution(values, found.accepted, found.rejected, found.code), none

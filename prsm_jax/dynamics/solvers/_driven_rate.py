@@ -58,6 +58,19 @@ class DrivenRate(eqx.Module):
             return self.drive(time, args)
         return apart(_called)(self.drive, time, args)
 
+    def drives_of(self, times: Float[Array, " times"], args: Any) -> list[Any]:
+        """The drive at several times."""
+        count = times.size
+        if self.constant:
+            return [self.drive(times[0], args)] * count
+
+        def evaluated(drive, times, args):
+            found = jax.vmap(lambda time: drive(time, args))(times)
+            # As separate values, so that steps do not have to read rows of one array.
+            return [jax.tree.map(lambda x, k=k: x[k], found) for k in range(count)]
+
+        return apart(evaluated)(self.drive, times, args)
+
     def with_constant_drive(self) -> "DrivenRate":
         """The same where the drive is constant: it is then not evaluated separately."""
         return DrivenRate(self.drive, self.rate, chain=self.chain, constant=True)

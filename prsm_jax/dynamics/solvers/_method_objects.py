@@ -50,6 +50,7 @@ class Method(eqx.Module):
     chooses: ClassVar[bool] = False
     under_torque: ClassVar[bool] = True
     gradients: ClassVar[tuple[str, ...]] = ("reverse", "forward", "both")
+    follows_chains: ClassVar[bool] = False
     longest_step: ClassVar[float | None] = None
 
     @property
@@ -167,6 +168,7 @@ class Rodasp(Integrating):
 
     word: ClassVar[str] = "rosenbrock"
     label: ClassVar[str] = "RODASP"
+    follows_chains: ClassVar[bool] = True
 
     def make_solver(
         self,

@@ -19,12 +19,13 @@ from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, PyTree
 
 from ...fields import Scalar
-from ...numerics import apart, merged
+from ...numerics import merged
 from ._dense_output import OneStep, StepInterpolation
 from ._driven_rate import DrivenRate
 from ._following import following_of
-from ._jacobians import NODES, chain_jacobian, full_jacobian, node_inverses, node_slopes
+from ._jacobians import NODES, chain_jacobian, full_jacobian
 from ._rodasp_step import INSIDE_STAGE, SHARES, Motion, Taken, length_of, looped_step, step_of
+from ._variational import Given, step_slopes
 
 
 def _cubic(share, y0, y1, first, second):
@@ -96,11 +97,7 @@ def _differentiable_step_jvp(primals, tangents):
 
 
 def _step_and_slopes(primals, tangents):
-    """A step and its derivative in one direction, by the variational equation.
-
-    The rates depend on a parameter directly, through the drive, and through the ends of the step,
-    which move with a reversal: `dz/ds = h (J z + g) + (dh) f`, with s from 0 to 1.
-    """
+    """A step and its derivative in one direction, by the variational equation."""
     field, drives, _, t0, t1, flat, args = primals
     d_field, d_drives, _, d_t0, d_t1, d_flat, d_args = tangents
     taken = _differentiable_step(*primals)
@@ -121,34 +118,13 @@ def _step_and_slopes(primals, tangents):
     between = RodasInterpolation(
         t0=t0, t1=t1, y0=flat, y1=taken.end, first=taken.first, second=taken.second
     )
-    states = [flat, between.at_share(jnp.asarray(0.5, flat.dtype)), taken.end]
-
-    jacobians, forcing = [], []
-    for drive, d_drive, state in zip(drives, d_drives, states, strict=True):
-        numbers = list(state)
-        jacobians.append(chain_jacobian(field.chain, drive, numbers, args))
-        rates, changes = eqx.filter_jvp(
-            lambda field, drive, args, numbers=numbers: field.chain(drive, numbers, args),
-            (field, drive, args),
-            (d_field, d_drive, d_args),
-        )
-        forcing.append(
-            [
-                (0.0 if d_rate is None else length * d_rate)
-                + (0.0 * rate if d_length is None else d_length * rate)
-                for rate, d_rate in zip(rates, changes, strict=True)
-            ]
-        )
-    start = jnp.zeros_like(flat) if d_flat is None else d_flat
-    # Separate parts, because the three slopes of all states use the same numbers.
-    inverses = apart(node_inverses)(jacobians, length)
-    slopes = apart(node_slopes)(jacobians, inverses, forcing, length, list(start))
-    first, middle, last = (jnp.stack([of_state[node] for of_state in slopes]) for node in range(3))
-    # The cubic with these slopes, which ends where the method ends.
-    total = (first + 4 * middle + last) / 6
+    slopes = step_slopes(
+        Given(field, drives, length, flat, args),
+        Given(d_field, d_drives, d_length, d_flat, d_args),
+        [flat, between.at_share(jnp.asarray(0.5, flat.dtype)), taken.end],
+    )
     none = jax.tree.map(lambda _: None, taken)
-    end, second = start + total, 2 * total - first - last
-    return taken, none._replace(end=end, first=first - total, second=second)
+    return taken, none._replace(end=slopes.end, first=slopes.first, second=slopes.second)
 
 
 def _driven_step(field: DrivenRate, t0, t1, flat, args, unflatten) -> Taken:
