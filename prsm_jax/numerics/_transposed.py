@@ -35,9 +35,10 @@ def with_transpose(
       functions use no traced values other than their arguments.
     - `parameters`, `inputs`: lists of arrays.
     """
+    parameters, inputs = ([jnp.asarray(x) for x in given] for given in (parameters, inputs))
     shapes = jax.eval_shape(function, parameters, inputs)
     results = tuple(ShapedArray(shape.shape, shape.dtype) for shape in shapes)
-    return _bind(list(parameters), list(inputs), function, transpose, results)
+    return _bind(parameters, inputs, function, transpose, results)
 
 
 def _bind(parameters, inputs, function, transpose, results) -> list[jax.Array]:

@@ -91,7 +91,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ("dynamics/speed_drive/_closed_form", "analytic/settling"),
     ("dynamics/forces/_chain", "analytic/settling analytic/steady analytic/newton"),
     ("dynamics/forces/_reduced", "analytic/settling analytic/steady"),
-    ("dynamics/solvers/_rosenbrock", "analytic/rosenbrock"),
+    ("dynamics/solvers/rodasp/_solver", "analytic/rosenbrock"),
     ("dynamics/steady/_root_search", "analytic/small_newton analytic/rosenbrock analytic/steady"),
     ("dynamics/speed_drive/_quasi", "analytic/quasi_steady"),
     ("dynamics/torque_drive/_neglected", "analytic/torque_carriers analytic/quasi_steady"),

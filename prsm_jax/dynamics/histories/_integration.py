@@ -28,6 +28,8 @@ from ..solvers import (
 )
 from ._transient_result import SolverReport
 
+#: The first step that is tried. In the scaled time the fastest states take about 1.
+_FIRST_STEP = 0.01
 #: Least relative tolerance, in roundings of a number.
 _ROUNDINGS = 10
 
@@ -160,8 +162,10 @@ class _Solution(NamedTuple):
     code: Int[Array, ""]
 
 
-def _controller(rate: Any, end: Scalar, args: Any, scene: _Scene) -> tuple[Any, Any]:
+def _controller(rate: Any, end: Scalar, args: Any, scene: _Scene, solver: Any) -> tuple[Any, Any]:
     """Controller of adaptive steps, and a function of time that moves with reversals."""
+    from ..solvers.rodasp import supports_windows
+
     moved = _moved_with_reversals(rate, end, args, scene)
     controller = controller_of(
         scene.rtol,
@@ -173,8 +177,13 @@ def _controller(rate: Any, end: Scalar, args: Any, scene: _Scene) -> tuple[Any, 
         scene.standstills,
         moved,
         scene.method.own_controller,
+        supports_windows(rate, solver),
     )
     return controller, moved
+
+
+def _solver(scene: _Scene, static: _Static) -> Any:
+    return scene.method.make_solver(scene.rtol, scene.atol, autonomous=static.autonomous)
 
 
 def _sample_times(end: Scalar, samples: int) -> Float[Array, " samples"]:
@@ -193,9 +202,9 @@ def _solved(
 
     from ..solvers._sampled import LAST_STATE, sampled, states_at_samples
 
-    controller, moved = _controller(rate, end, args, scene)
+    solver = _solver(scene, static)
+    controller, moved = _controller(rate, end, args, scene, solver)
     adjoint = ForwardMode().adjoint()
-    solver = scene.method.make_solver(scene.rtol, scene.atol, autonomous=static.autonomous)
     if again is not None:
         from ..solvers._recorded_steps import Again
 
@@ -217,7 +226,7 @@ def _solved(
         solver,
         t0=jnp.zeros_like(end),
         t1=end,
-        dt0=None,
+        dt0=_FIRST_STEP,
         y0=start,
         args=args,
         saveat=save_at,
@@ -255,11 +264,15 @@ def _solved_twice(rate, start, end, args, scene, *, static):
 
 @_solved_twice.def_jvp
 def _solved_twice_jvp(primals, tangents, *, static):
-    from ..solvers._recorded_steps import steps_between
+    from ..solvers.rodasp import supports_windows
 
     rate, start, end, args, scene = primals
-    if isinstance(rate, DrivenRate) and rate.chain is not None and scene.method.follows_chains:
-        return _followed(primals, tangents, static)
+    solver = _solver(scene, static)
+    if static.gradient.along_steps and supports_windows(rate, solver):
+        return _along_steps(primals, tangents, static)
+
+    from ..solvers._recorded_steps import steps_between
+
     chosen, starts = _solved(
         still(rate), still(start), still(end), still(args), scene, static, record=True
     )
@@ -276,26 +289,28 @@ def _solved_twice_jvp(primals, tangents, *, static):
     return chosen._replace(states=states), none._replace(states=slopes)
 
 
-def _followed(primals, tangents, static: _Static):
+def _along_steps(primals, tangents, static: _Static):
     """Values of an integration in windows, and derivatives along its steps."""
-    from ..solvers._recorded_solution import Motion, Solution, at_samples
-    from ..solvers._windows import Problem, integrated as integrated_in_windows
+    from ..solvers import rodasp
 
     rate, start, end, args, scene = primals
     flat, unflatten = ravel_pytree(start)
-    controller, _ = _controller(rate, end, args, scene)
-    solver = scene.method.make_solver(scene.rtol, scene.atol, autonomous=static.autonomous)
+    solver = _solver(scene, static)
+    controller, _ = _controller(rate, end, args, scene, solver)
     breaks = breaks_inside(scene.breaks, end)
-    problem = Problem(rate, flat, end, args, controller, breaks, solver, static.max_steps)
-    found = integrated_in_windows(problem, _sample_times(end, static.samples))
-    solution = Solution(problem, found.windows, found.states)
+    problem = rodasp.Problem(
+        rate, flat, end, args, controller, breaks, solver, _FIRST_STEP, static.max_steps
+    )
+    found = rodasp.integrated(problem, _sample_times(end, static.samples))
+    solution = rodasp.Solution(problem, found.windows, found.states)
 
     def states(rate, start, end, args):
         moved = _moved_with_reversals(rate, end, args, scene)
         times = _sample_times(end, static.samples)
-        motion = Motion(rate, ravel_pytree(start)[0], end, args, times, moved)
-        return jax.vmap(unflatten)(at_samples(motion, solution))
+        motion = rodasp.Motion(rate, ravel_pytree(start)[0], end, args, times, moved)
+        return jax.vmap(unflatten)(rodasp.at_samples(motion, solution))
 
     values, slopes = eqx.filter_jvp(states, (rate, start, end, args), tuple(tangents[:-1]))
-    none = _Solution(slopes, None, None, None)
-    return _Solution(values, found.accepted, found.rejected, found.code), none
+    solved = _Solution(values, found.accepted, found.rejected, found.code)
+    none: _Solution = jax.tree.map(lambda _: None, solved)
+    return solved, none._replace(states=slopes)

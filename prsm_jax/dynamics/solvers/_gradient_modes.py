@@ -28,12 +28,15 @@ class GradientMode(eqx.Module):
     - `word`: the word by which methods name the mode in `gradients`.
     - `reverse`: whether the mode supports reverse-mode derivatives. Then a first integration
       chooses the steps, and a second one repeats them for the derivatives.
+    - `along_steps`: whether derivatives follow the steps of the first integration, where the
+      solver supports that (RODASP at a prescribed speed); `adjoint` has no effect then.
     - `checkpointed`: whether states are recomputed from checkpoints. Then a first integration
       chooses the steps under a prescribed torque, too.
     """
 
     word: ClassVar[str]
     reverse: ClassVar[bool] = True
+    along_steps: ClassVar[bool] = False
     checkpointed: ClassVar[bool] = False
 
     @abc.abstractmethod
@@ -45,6 +48,7 @@ class ReverseMode(GradientMode):
     """Reverse mode with checkpoints: bounded memory for long scenes."""
 
     word: ClassVar[str] = "reverse"
+    along_steps: ClassVar[bool] = True
     checkpointed: ClassVar[bool] = True
 
     def adjoint(self) -> Adjoint:
@@ -71,6 +75,7 @@ class BothModes(GradientMode):
     """Either mode through one program."""
 
     word: ClassVar[str] = "both"
+    along_steps: ClassVar[bool] = True
 
     def adjoint(self) -> Adjoint:
         """`DirectAdjoint`."""

@@ -50,7 +50,6 @@ class Method(eqx.Module):
     chooses: ClassVar[bool] = False
     under_torque: ClassVar[bool] = True
     gradients: ClassVar[tuple[str, ...]] = ("reverse", "forward", "both")
-    follows_chains: ClassVar[bool] = False
     longest_step: ClassVar[float | None] = None
 
     @property
@@ -168,7 +167,6 @@ class Rodasp(Integrating):
 
     word: ClassVar[str] = "rosenbrock"
     label: ClassVar[str] = "RODASP"
-    follows_chains: ClassVar[bool] = True
 
     def make_solver(
         self,
@@ -179,7 +177,7 @@ class Rodasp(Integrating):
         compact: bool = False,
     ) -> Solver:
         """RODASP."""
-        from ._rosenbrock import Rodasp as Solved
+        from .rodasp import Rodasp as Solved
 
         return Solved(autonomous, compact)
 

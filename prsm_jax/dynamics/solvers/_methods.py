@@ -66,6 +66,7 @@ def controller_of(
     standstills: Callable[[Scalar], tuple[Scalar, Scalar]] | None = None,
     moved: Callable[[Scalar], Scalar] | None = None,
     own: Controller | None = None,
+    only_next: bool = False,
 ) -> StepSizes:
     """Controller of steps by tolerances; steps end where speed or load jump or bend.
 
@@ -83,6 +84,7 @@ def controller_of(
       or infinity.
     - `moved`: function of time to the same time, which in derivatives moves with a nearby reversal.
     - `own`: a controller of the user in place of the default one.
+    - `only_next`: whether only the steps next to a reversal move with it.
     """
     import diffrax
 
@@ -100,7 +102,7 @@ def controller_of(
         controller = Weighed(controller, weight)
     if moved is not None:
         # Inside the controller of jumps, because jumps do not move.
-        controller = Moving(controller, moved)
+        controller = Moving(controller, moved, only_next)
     if breaks.size == 0:
         return controller
     jumps = breaks_inside(breaks, end)

@@ -139,18 +139,27 @@ class Moving(_Around):
 
     Friction jumps at the reversal. Steps with fixed ends keep the jump at a fixed time in every
     derivative; derivatives by a number that moves the reversal then lack a part.
+
+    Steps after a reversal move with it, because the derivative of a step's error by its length is
+    large. The variational equation has no such error, and then these steps stay: a part that moves
+    with the step has the error of the rate between two samples.
     """
 
     #: Function of time to the same time, with the derivatives of the reversal next to it.
     moved: Callable[[Scalar], Scalar]
+    #: Whether steps that are not next to a reversal stay.
+    only_next: bool = eqx.field(static=True)
 
-    def __init__(self, controller: Any, moved: Callable[[Scalar], Scalar]):
-        self.controller, self.moved = controller, moved
+    def __init__(self, controller: Any, moved: Callable[[Scalar], Scalar], only_next: bool = False):
+        self.controller, self.moved, self.only_next = controller, moved, only_next
+
+    def _end(self, end: Any) -> Scalar:
+        return self.moved(jax.lax.stop_gradient(end) if self.only_next else end)
 
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
         """As the controller that is wrapped, except for derivatives."""
         end, state = self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
-        return self.moved(end), state
+        return self._end(end), state
 
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
@@ -160,7 +169,7 @@ class Moving(_Around):
             t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
         )
         # The step starts where the last one ended, and that end has moved already.
-        return keep, start, self.moved(end), jump, state, result
+        return keep, start, self._end(end), jump, state, result
 
 
 class WithReversals(eqx.Module):

@@ -8,7 +8,7 @@ import pytest
 from scenes import example
 
 from prsm_jax.dynamics import all_kinematics
-from prsm_jax.dynamics.solvers._jacobians import (
+from prsm_jax.dynamics.solvers.rodasp._jacobians import (
     NODES,
     ChainJacobian,
     FullJacobian,

@@ -169,6 +169,8 @@ def test_a_mode_of_differentiation_is_an_object_or_a_word():
     asked = []
 
     class Counted(ReverseMode):
+        along_steps = False
+
         def adjoint(self):
             asked.append(self)
             return diffrax.RecursiveCheckpointAdjoint(checkpoints=40)
@@ -180,8 +182,9 @@ def test_a_mode_of_differentiation_is_an_object_or_a_word():
 
     slopes = [jax.grad(last)(array(7e3), mode) for mode in ("reverse", ReverseMode(), Counted())]
     assert len(asked) == 1
-    # The three programs take the same steps; checkpoints are recomputed by the same operations.
-    np.testing.assert_allclose(slopes[1:], [slopes[0]] * 2, rtol=1e-12)
+    assert slopes[1] == slopes[0]
+    # The repeated steps have other errors, of a few times the tolerance of 1e-8.
+    np.testing.assert_allclose(slopes[2], slopes[0], rtol=1e-7)
     with pytest.raises(ValueError, match="gradient is 'sideways'; choose one of reverse, forward"):
         gradient_of("sideways")
 

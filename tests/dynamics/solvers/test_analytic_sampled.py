@@ -12,13 +12,13 @@ from scenes import mechanism
 
 from prsm_jax import Scenario, simulate
 from prsm_jax.dynamics.solvers._kvaerno import Kvaerno
-from prsm_jax.dynamics.solvers._rosenbrock import Rodasp
 from prsm_jax.dynamics.solvers._sampled import (
     LAST_STATE,
     Sampled,
     sampled,
     states_at_samples,
 )
+from prsm_jax.dynamics.solvers.rodasp import Rodasp
 
 _TIMES = jnp.linspace(0.0, 2.0, 41)
 #: On a sample.

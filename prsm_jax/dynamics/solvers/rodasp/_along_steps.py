@@ -15,12 +15,12 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ...fields import Scalar
-from ...numerics import with_transpose
-from ._driven_rate import DrivenRate
+from ....fields import Scalar
+from ....numerics import with_transpose
+from .._driven_rate import DrivenRate
 from ._jacobians import NODES
-from ._rodasp_step import length_of
-from ._rosenbrock import RodasInterpolation
+from ._solver import RodasInterpolation
+from ._step import length_of
 from ._variational import Given, Slopes, step_slopes
 from ._windows import Problem, Record, Windows, at_times
 
@@ -122,7 +122,7 @@ class _Along(NamedTuple):
         def again(place):
             record = problem.window(place)[0]
             # A solution that has ended before has no steps in this window.
-            return record._replace(count=jnp.where(number < known.count, record.count, 0))
+            return record._replace(steps=jnp.where(number < known.used, record.steps, 0))
 
         place = jax.tree.map(lambda x: x[number], known.places)
         record = jax.lax.cond(number + 1 == windows, lambda _: known.last, again, place)
@@ -130,7 +130,7 @@ class _Along(NamedTuple):
 
     def forward(self, inputs: Sequence[Any]) -> list[Array]:
         """Derivatives of the samples from those of the numbers."""
-        windows = eqxi.unvmap_max(self.solution.windows.count)
+        windows = eqxi.unvmap_max(self.solution.windows.used)
         begin = jax.jvp(self.begin, (self.moving,), (inputs,))[1]
 
         def body(carry):
@@ -149,7 +149,7 @@ class _Along(NamedTuple):
 
     def backward(self, cotangents: Sequence[Any]) -> list[Array]:
         """Derivatives by the numbers from those by the samples."""
-        windows = eqxi.unvmap_max(self.solution.windows.count)
+        windows = eqxi.unvmap_max(self.solution.windows.used)
         begin, pull = jax.vjp(self.begin, self.moving)
 
         def body(carry):
@@ -187,7 +187,7 @@ class _Window(NamedTuple):
     def ends(self, numbers: Int[Array, "*steps"], motion: Motion) -> Bool[Array, "*steps"]:
         """Whether steps end with the integration."""
         record, end = self.record, jax.lax.stop_gradient(motion.end)
-        return (numbers + 1 == record.count) & (record.ends[numbers] >= end)
+        return (numbers + 1 == record.steps) & (record.ends[numbers] >= end)
 
     def sampled(
         self, moving: Sequence[Any], stored: _Stored, states: Float[Array, "samples states"]
@@ -200,14 +200,14 @@ class _Window(NamedTuple):
             ends = jnp.where(self.ends(numbers, motion), motion.end, record.ends)
         else:
             starts = jnp.concatenate([stored.starts, starts[-1:]])
-        record = Record(starts, ends, *stored[:4], record.count)
+        record = Record(starts, ends, *stored[:4], record.steps)
         return at_times(record, motion.times, states)
 
     def step(
         self, number: Int[Array, ""], moving: Sequence[Any], reached: _Reached
     ) -> tuple[_Reached, _Stored]:
         """The start of the next step, and what is stored of this one."""
-        record, motion, active = self.record, self.motion_of(moving), number < self.record.count
+        record, motion, active = self.record, self.motion_of(moving), number < self.record.steps
 
         def entry(rows, otherwise: Any = 0.0):
             return jnp.where(active, rows[number], otherwise)
@@ -230,13 +230,13 @@ class _Window(NamedTuple):
 
     def reached(self, number: Int[Array, ""], timed: bool) -> _Reached:
         """The start of a step."""
-        record, active = self.record, number < self.record.count
+        record, active = self.record, number < self.record.steps
         time = jnp.where(active, record.starts[number], 0.0) if timed else None
         return _Reached(jnp.where(active, record.before[number], 0.0), time)
 
     def forward(self, inputs: Sequence[Any], reached: _Reached) -> tuple[_Reached, _Stored]:
         """Derivatives of the end of the window, and of what is stored, from those of its start."""
-        steps, timed = eqxi.unvmap_max(self.record.count), reached.time is not None
+        steps, timed = eqxi.unvmap_max(self.record.steps), reached.time is not None
 
         def body(carry):
             number, reached, stored = carry
@@ -246,7 +246,7 @@ class _Window(NamedTuple):
 
             values = self.moving, self.reached(number, timed)
             _, (after, parts) = jax.jvp(step, values, (inputs, reached))
-            active = number < self.record.count
+            active = number < self.record.steps
             after = jax.tree.map(lambda new, old: jnp.where(active, new, old), after, reached)
             stored = jax.tree.map(lambda rows, x: rows.at[number].set(x), stored, parts)
             return number + 1, after, stored
@@ -256,7 +256,7 @@ class _Window(NamedTuple):
 
     def backward(self, stored: _Stored, reached: _Reached) -> tuple[_Reached, list[Array]]:
         """Derivatives by the start of the window and by the numbers, from those by its end."""
-        steps, timed = eqxi.unvmap_max(self.record.count), reached.time is not None
+        steps, timed = eqxi.unvmap_max(self.record.steps), reached.time is not None
 
         def body(carry):
             number, reached, totals = carry
@@ -264,7 +264,7 @@ class _Window(NamedTuple):
             def step(moving, reached):
                 return self.step(number, moving, reached)
 
-            active = number < self.record.count
+            active = number < self.record.steps
             pull = jax.vjp(step, self.moving, self.reached(number, timed))[1]
             parts, before = pull((reached, jax.tree.map(lambda rows: rows[number], stored)))
 

@@ -7,9 +7,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...fields import Scalar
-from ...numerics import apart
-from ._driven_rate import DrivenRate
+from ....numerics import apart
+from .._driven_rate import DrivenRate
 from ._jacobians import chain_jacobian, node_inverses, node_slopes
 
 
@@ -27,8 +26,9 @@ class Given(NamedTuple):
     field: DrivenRate
     #: The drive at the nodes of the step (`NODES`).
     drives: Sequence[Any]
-    length: Scalar
-    state: Float[Array, " states"]
+    #: A scalar, and an array of the states.
+    length: Any
+    state: Any
     args: Any
 
 
@@ -45,11 +45,12 @@ def step_slopes(
     - `given`, `derivatives`: what the step depends on, and derivatives of it.
     - `states`: the states at the nodes of the step.
     """
-    length, d_length = given.length, derivatives.length
+    chain, length, d_length = given.field.chain, given.length, derivatives.length
+    assert chain is not None
     jacobians, forcing = [], []
     for drive, d_drive, state in zip(given.drives, derivatives.drives, states, strict=True):
         numbers = list(state)
-        jacobians.append(chain_jacobian(given.field.chain, drive, numbers, given.args))
+        jacobians.append(chain_jacobian(chain, drive, numbers, given.args))
         rates, changes = eqx.filter_jvp(
             lambda field, drive, args, numbers=numbers: field.chain(drive, numbers, args),
             (given.field, drive, given.args),

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...fields import Scalar
+from ....fields import Scalar
 
 #: Share of the step at which the cubic is compared with the leader; a stage of RODASP.
 INSIDE = 0.63

@@ -18,8 +18,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ...fields import Scalar
-from ...numerics import dot_few, solve_small
+from ....fields import Scalar
+from ....numerics import dot_few, solve_small
 
 #: Shares of the step at which the linear equation needs J and g: nodes of Lobatto's method.
 NODES = (0.0, 0.5, 1.0)

@@ -18,13 +18,13 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, PyTree
 
-from ...fields import Scalar
-from ...numerics import merged
-from ._dense_output import OneStep, StepInterpolation
-from ._driven_rate import DrivenRate
+from ....fields import Scalar
+from ....numerics import merged
+from .._dense_output import OneStep, StepInterpolation
+from .._driven_rate import DrivenRate
 from ._following import following_of
 from ._jacobians import NODES, chain_jacobian, full_jacobian
-from ._rodasp_step import INSIDE_STAGE, SHARES, Motion, Taken, length_of, looped_step, step_of
+from ._step import INSIDE_STAGE, SHARES, Motion, Taken, length_of, looped_step, step_of
 from ._variational import Given, step_slopes
 
 

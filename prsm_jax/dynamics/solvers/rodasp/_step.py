@@ -23,11 +23,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ...fields import Scalar
-from ...numerics import any_few, apart
+from ....fields import Scalar
+from ....numerics import any_few, apart
+from .._step_control import is_shortest
 from ._following import INSIDE, Following
 from ._jacobians import ChainJacobian, FullJacobian
-from ._step_control import is_shortest
 
 _GAMMA = 0.25
 #: Largest exponent of growth that a step may have, `h ∂f_i/∂y_i`.
