@@ -35,6 +35,7 @@ from ..references.transients.designs_of_two_stages import (
 
 _RATIO = "carrier speeds over the largest screw speed"
 _SLOPES = "derivatives by speed, load and friction coefficient"
+_LAST = "derivatives of the last speed of the first carrier"
 #: Absolute tolerance over relative tolerance; all solvers have the same.
 _ABSOLUTE = 1e-2
 _FREQUENCY = 2 * np.pi * 5
@@ -116,7 +117,7 @@ def _reference(scene: Scene, count: int, solver: str, rtol: float) -> Callable[.
     return lambda: {_RATIO: Reference(_tight(scene, scene.rows(count), solver, rtol), _SCALE)}
 
 
-def _solver(scene: Scene, method: Any, meshes: bool = False):
+def _solver(scene: Scene, method: Any, meshes: bool = False, gradient: Any = "forward"):
     """Carrier speeds of one design, over the amplitude of its screw speed, and the steps."""
 
     def solve(factors, kinematics, speed, force, rtol):
@@ -124,7 +125,7 @@ def _solver(scene: Scene, method: Any, meshes: bool = False):
             design(scene.mechanism, factors),
             scene.scenario(speed, force),
             method=method,
-            gradient="forward",
+            gradient=gradient,
             **taken(method, rtol=rtol, atol=rtol * _ABSOLUTE, max_steps=100_000),
             throw=False,
             kinematics=None if meshes else kinematics,
@@ -364,9 +365,9 @@ def _many_missions(size: Size) -> Problem:
     )
 
 
-def _sloped(scene: Scene, method: Any):
-    """Carrier speeds and their derivatives by speed, load and friction of the first stage."""
-    solve = _solver(scene, method)
+def _sloped(scene: Scene, method: Any, gradient: Any = "forward"):
+    """Carrier speeds as a function of factors on speed, load and friction of the first stage."""
+    solve = _solver(scene, method, gradient=gradient)
 
     def values(given, factors, kinematics, speed, force, rtol):
         scaled = factors.at[0, 3].multiply(given[2])
@@ -395,14 +396,37 @@ def _gradients(size: Size) -> Problem:
             given = jnp.asarray(1e-8 if rtol is None else rtol)
 
             def read(out):
-                return {_SLOPES: np.asarray(out)} if slopes else {_SLOPES: unknown}
+                return with_last(np.asarray(out)) if slopes else without
 
             return Prepared(lambda: jitted(*inputs, given), count, read)
 
         return Method(name, prepare, settings, "rtol" if settings != (None,) else "")
 
+    def reverse(name: str, method: Any, settings) -> Method:
+        values = _sloped(scene, method, "reverse")
+
+        def last(given, *rest):
+            return values(given, *rest)[0, -1]
+
+        slopes = functools.partial(jax.value_and_grad(last), jnp.ones(3))
+        jitted = jax.jit(jax.vmap(slopes, in_axes=(0, 0, 0, 0, None)))
+
+        def prepare(rtol):
+            given = jnp.asarray(rtol)
+
+            def read(out):
+                return without | {_LAST: np.asarray(out[1])}
+
+            return Prepared(lambda: jitted(*inputs, given), count, read)
+
+        return Method(name, prepare, settings, "rtol")
+
+    def with_last(slopes):
+        """Derivatives of all samples, and those of the last one of the first carrier."""
+        return {_SLOPES: slopes, _LAST: slopes[:, 0, -1]}
+
     #: What a method without derivatives shows.
-    unknown = np.full((1, 2, scene.samples, 3), np.nan)
+    without = with_last(np.full((1, 2, scene.samples, 3), np.nan))
 
     def casadi(solver: str, few: int, slopes: bool) -> Method:
         def prepare(rtol):
@@ -416,10 +440,10 @@ def _gradients(size: Size) -> Problem:
 
             def read(out):
                 if not slopes:
-                    return {_SLOPES: unknown}
+                    return without
                 each = np.split(out, few, axis=1)
                 shaped = [np.reshape(x, (scene.samples, 2, 3)).transpose(1, 0, 2) for x in each]
-                return {_SLOPES: np.array(shaped) * scale[:, None, None, :]}
+                return with_last(np.array(shaped) * scale[:, None, None, :])
 
             return Prepared(call, few, read)
 
@@ -438,12 +462,14 @@ def _gradients(size: Size) -> Problem:
                 ends.append(_tight(scene, moved, "DOP853", 1e-13))
             slope = (8 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12 * step)
             found.append(slope)
-        return {_SLOPES: Reference(np.stack(found, axis=-1), _SCALE)}
+        exact = with_last(np.stack(found, axis=-1))
+        return {quantity: Reference(values, _SCALE) for quantity, values in exact.items()}
 
     methods = [
         ours("closed form", "closed_form", (None,), True),
         ours("closed form, values only", "closed_form", (None,), False),
         ours("RODASP", "rosenbrock", settings, True),
+        reverse("RODASP, reverse mode, one result", "rosenbrock", settings),
         ours("RODASP, values only", "rosenbrock", settings, False),
     ]
     if "casadi" not in missing_rivals():

@@ -1,5 +1,7 @@
 """Derivatives along an integration in windows: however many windows it has, and what they cost."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -149,21 +151,34 @@ def test_forward_mode_over_reverse_mode(monkeypatch):
 
 
 def test_an_integration_that_is_out_of_steps_has_finite_derivatives(monkeypatch):
-    monkeypatch.setattr(_windows, "_TRIED", 25)
+    """One step too few; the two windows alone would have room for it."""
+    counted = jax.jit(_states("reverse"))(_POINT)[1]
+    needed = int(counted.steps + counted.rejected)
+    monkeypatch.setattr(_windows, "_TRIED", needed // 2 + 1)
 
-    def total(point):
-        found, report = _states("reverse", most=60)(point)
+    def total(point, most):
+        found, report = _states("reverse", most=most)(point)
         return jnp.sum(jnp.where(jnp.isfinite(found), found, 0.0)), (found, report)
 
-    slopes, (found, report) = jax.jit(jax.grad(total, has_aux=True))(_POINT)
-    plain, counted = jax.jit(_states("reverse", most=60))(_POINT)
-    assert int(report.code) == int(counted.code) == 1
+    def of(most):
+        return jax.jit(jax.grad(functools.partial(total, most=most), has_aux=True))(_POINT)
+
+    slopes, (_, report) = of(needed - 1)
+    assert (
+        int(report.code) == int(jax.jit(_states("reverse", most=needed - 1))(_POINT)[1].code) == 1
+    )
     assert bool(jnp.all(jnp.isfinite(slopes)))
-    # Three windows of 25 are more than 60; the samples that both reach are the same.
+    # Far too few: the samples that are reached are those of an integration without derivatives.
+    slopes, (found, report) = of(needed // 2)
+    plain = jax.jit(_states("reverse", most=needed // 2))(_POINT)[0]
     reached = jnp.isfinite(plain)
+    assert int(report.code) == 1
     assert bool(jnp.any(reached))
-    assert not bool(jnp.all(jnp.isfinite(found)))
+    np.testing.assert_array_equal(jnp.isfinite(found), reached)
     np.testing.assert_allclose(found[reached], plain[reached], rtol=1e-11)
+    assert bool(jnp.all(jnp.isfinite(slopes)))
+    slopes, (_, report) = of(needed)
+    assert int(report.code) == 0
 
 
 def test_a_drive_that_jumps_has_its_left_value_at_the_end_of_a_step():

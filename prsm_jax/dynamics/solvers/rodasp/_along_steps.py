@@ -22,7 +22,7 @@ from ._jacobians import NODES
 from ._solver import RodasInterpolation
 from ._step import length_of
 from ._variational import Given, Slopes, step_slopes
-from ._windows import Problem, Record, Windows, at_times
+from ._windows import Problem, Record, Windows, at_times, before
 
 
 class Motion(NamedTuple):
@@ -57,8 +57,7 @@ class _Reached(NamedTuple):
 class _Stored(NamedTuple):
     """Entries of a record that have derivatives."""
 
-    before: Any
-    after: Any
+    states: Any
     first: Any
     second: Any
     starts: Any = None
@@ -136,13 +135,10 @@ class _Along(NamedTuple):
         def body(carry):
             number, reached, states = carry
             window = self.window(number, windows)
-            reached, stored = window.forward(inputs, reached)
-            _, states = jax.jvp(
-                window.sampled,
-                (self.moving, window.stored, states),
-                (inputs, stored, states),
-            )
-            return number + 1, reached, states
+            after, stored = window.forward(inputs, reached)
+            values = self.moving, window.record.begin, window.stored, states
+            slopes = inputs, reached.state, stored, states
+            return number + 1, after, jax.jvp(window.sampled, values, slopes)[1]
 
         start = jnp.zeros((), int), *begin
         return [jax.lax.while_loop(lambda carry: carry[0] < windows, body, start)[2]]
@@ -155,9 +151,10 @@ class _Along(NamedTuple):
         def body(carry):
             number, reached, states, totals = carry
             window = self.window(number, windows)
-            values = self.moving, window.stored, jnp.zeros_like(states)
-            direct, stored, states = jax.vjp(window.sampled, *values)[1](states)
+            values = self.moving, window.record.begin, window.stored, jnp.zeros_like(states)
+            direct, sampled, stored, states = jax.vjp(window.sampled, *values)[1](states)
             reached, parts = window.backward(stored, reached)
+            reached = reached._replace(state=reached.state + sampled)
             totals = jax.tree.map(lambda *x: sum(x[1:], x[0]), totals, direct, parts)
             return number - 1, reached, states, totals
 
@@ -179,7 +176,7 @@ class _Window(NamedTuple):
     def stored(self) -> _Stored:
         """Entries of the record that have derivatives."""
         record = self.record
-        states = record.before, record.after, record.first, record.second
+        states = record.states, record.first, record.second
         if self.motion_of(self.moving).moved is None:
             return _Stored(*states)
         return _Stored(*states, record.starts[:-1], record.ends)
@@ -190,7 +187,11 @@ class _Window(NamedTuple):
         return (numbers + 1 == record.steps) & (record.ends[numbers] >= end)
 
     def sampled(
-        self, moving: Sequence[Any], stored: _Stored, states: Float[Array, "samples states"]
+        self,
+        moving: Sequence[Any],
+        begin: Float[Array, " states"],
+        stored: _Stored,
+        states: Float[Array, "samples states"],
     ) -> Float[Array, "samples states"]:
         """The states given, with those at samples in this window."""
         record, motion = self.record, self.motion_of(moving)
@@ -200,7 +201,7 @@ class _Window(NamedTuple):
             ends = jnp.where(self.ends(numbers, motion), motion.end, record.ends)
         else:
             starts = jnp.concatenate([stored.starts, starts[-1:]])
-        record = Record(starts, ends, *stored[:4], record.steps)
+        record = Record(starts, ends, begin, *stored[:3], record.steps)
         return at_times(record, motion.times, states)
 
     def step(
@@ -220,9 +221,9 @@ class _Window(NamedTuple):
         # Ends at a jump stay, and the last one is the end of the integration.
         own = end if motion.moved is None else jnp.where(jumps, end, motion.moved(end))
         own = jnp.where(final, motion.end, own)
-        known = Slopes(*(entry(rows) for rows in (record.after, record.first, record.second)))
+        known = Slopes(*(entry(rows) for rows in (record.states, record.first, record.second)))
         taken = _known_step(motion.field, time, own, reached.state, motion.args, known)
-        stored = _Stored(reached.state, *taken)
+        stored = _Stored(*taken)
         if reached.time is None:
             return _Reached(taken.end, None), stored
         after = _Reached(taken.end, jnp.where(jumps, following, own))
@@ -232,7 +233,7 @@ class _Window(NamedTuple):
         """The start of a step."""
         record, active = self.record, number < self.record.steps
         time = jnp.where(active, record.starts[number], 0.0) if timed else None
-        return _Reached(jnp.where(active, record.before[number], 0.0), time)
+        return _Reached(before(record, number, active), time)
 
     def forward(self, inputs: Sequence[Any], reached: _Reached) -> tuple[_Reached, _Stored]:
         """Derivatives of the end of the window, and of what is stored, from those of its start."""

@@ -9,7 +9,8 @@ with 125 they take 2.6 times as long.
 Imports diffrax, so it is itself imported only where something is integrated.
 """
 
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple
 
 import diffrax
 import equinox.internal as eqxi
@@ -52,9 +53,9 @@ class Record(NamedTuple):
     starts: Float[Array, " most_and_one"]
     #: Ends of the steps: before a break the next step starts later.
     ends: Float[Array, " most"]
-    #: States at the starts and at the ends, and the interpolation between them.
-    before: Float[Array, "most states"]
-    after: Float[Array, "most states"]
+    #: State at the start of the first step; at the ends, and the interpolation of all steps.
+    begin: Float[Array, " states"]
+    states: Float[Array, "most states"]
     first: Float[Array, "most states"]
     second: Float[Array, "most states"]
     steps: Int[Array, ""]
@@ -87,6 +88,33 @@ class _Resumed(diffrax.AbstractStepSizeController[Any, Any]):
         return keep, start, end, jump, (state, end), result
 
 
+class _Kept(diffrax.AbstractLocalInterpolation):
+    """What is kept of a step; it is not evaluated."""
+
+    t0: Float[Array, ""]  # pyright: ignore[reportIncompatibleVariableOverride]
+    t1: Float[Array, ""]  # pyright: ignore[reportIncompatibleVariableOverride]
+    y1: Float[Array, " states"]
+    first: Float[Array, " states"]
+    second: Float[Array, " states"]
+
+    def evaluate(self, t0, t1=None, left: bool = True):
+        """Not possible."""
+        raise NotImplementedError
+
+
+class _Keeping(Rodasp):
+    """RODASP without the state at the start of a step in its dense output."""
+
+    interpolation_cls: ClassVar[Callable[..., _Kept]] = _Kept  # pyright: ignore[reportIncompatibleMethodOverride]
+
+    def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
+        """As RODASP."""
+        y1, error, dense, none, result = super().step(
+            terms, t0, t1, y0, args, solver_state, made_jump
+        )
+        return y1, error, {name: dense[name] for name in ("y1", "first", "second")}, none, result
+
+
 class Problem(NamedTuple):
     """An integration by RODASP, from 0 to `end`."""
 
@@ -95,7 +123,7 @@ class Problem(NamedTuple):
     end: Scalar
     args: Any
     controller: Any
-    #: In order, infinite where there are fewer.
+    #: In order; those that are not inside the integration are beyond its end.
     breaks: Float[Array, " breaks"]
     solver: Rodasp
     first_step: float
@@ -132,7 +160,7 @@ class Problem(NamedTuple):
         """The steps from a place on, the next place, and the solution of diffrax."""
         solution = diffrax.diffeqsolve(
             diffrax.ODETerm(self.rate),
-            self.solver,
+            _Keeping(self.solver.autonomous),
             t0=place.time,
             t1=self.end,
             dt0=None,
@@ -153,9 +181,8 @@ class Problem(NamedTuple):
         infos, ends = between.infos, between.ts[1:]
         if self.breaks.size:
             ends = steps_between(ends, count, self.breaks).end
-        record = Record(
-            between.ts, ends, infos["y0"], infos["y1"], infos["first"], infos["second"], count
-        )
+        kept = infos["y1"], infos["first"], infos["second"]
+        record = Record(between.ts, ends, place.state, *kept, count)
         controller: Any = solution.controller_state
         place = Place(times[-1], controller[1], states[-1], controller, solution.made_jump)
         return record, place, solution
@@ -169,6 +196,12 @@ class Windows(NamedTuple):
     used: Int[Array, ""]
     #: The steps of the last window of the batch.
     last: Record
+
+
+def before(record: Record, number: Int[Array, ""], known: Any) -> Float[Array, " states"]:
+    """State at the start of a step, and zero for one that is not known."""
+    earlier = jnp.where(number > 0, record.states[jnp.maximum(number - 1, 0)], record.begin)
+    return jnp.where(known, earlier, 0.0)
 
 
 def at_times(
@@ -186,7 +219,6 @@ def at_times(
     starts, ends = still(record.starts), still(times)
     step = jnp.minimum(jnp.searchsorted(starts[1:], ends), record.ends.size - 1)
     inside = (ends > starts[0]) & (ends <= starts[record.steps]) & (record.steps > 0)
-
     step = jnp.where(inside, step, 0)
 
     def at(time, step, inside):
@@ -196,8 +228,8 @@ def at_times(
         between = RodasInterpolation(
             t0=kept(record.starts),
             t1=kept(record.ends, 1.0),
-            y0=kept(record.before),
-            y1=kept(record.after),
+            y0=before(record, step, inside),
+            y1=kept(record.states),
             first=kept(record.first),
             second=kept(record.second),
         )
@@ -276,6 +308,7 @@ __all__ = [
     "Record",
     "Windows",
     "at_times",
+    "before",
     "integrated",
     "supports_windows",
 ]
