@@ -111,7 +111,7 @@ def simulate(
       `"implicit"` (Kvaerno 5/4 with Newton, any stiffness, the reference).
     - `gradient`: `"both"` (either mode through one program), `"reverse"` or `"forward"` (for few
       parameters). With the first two, RODASP at a prescribed speed keeps its steps, and derivatives
-      follow them: reverse mode takes three to four times as long as the values, by any number of
+      follow them: reverse mode takes three to five times as long as the values, by any number of
       parameters. Elsewhere a first integration chooses the steps, and a second one repeats them for
       the derivatives; `"reverse"` is then checkpointed (bounded memory for long scenes), and for
       tolerances below 1e-10. Values are those of the first integration.

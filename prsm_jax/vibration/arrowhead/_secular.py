@@ -11,6 +11,7 @@ ones. A root is stored by its distance to an adjacent pole, so that mode shapes 
 such distances) keep their digits where a root almost coincides with a pole.
 """
 
+import functools
 from typing import NamedTuple
 
 import jax
@@ -197,6 +198,8 @@ def _highest_step(poles: Poles, p: Scalar) -> Scalar:
     return jnp.maximum(p + change, shortest(p))
 
 
+# Traced once for all of its calls, not once for each; the program is the same.
+@functools.partial(jax.jit, inline=True)
 def _step(poles: Poles, roots: Roots) -> Roots:
     return Roots(
         lowest=_lowest_step(poles, roots.lowest),
@@ -206,6 +209,7 @@ def _step(poles: Poles, roots: Roots) -> Roots:
     )
 
 
+@functools.partial(jax.jit, inline=True)
 def _settled(poles: Poles, before: Roots, after: Roots) -> Bool[Array, ""]:
     """Whether the next step would be below rounding of the distances to the nearest poles."""
     first, second = poles.gaps
