@@ -226,8 +226,7 @@ class _Window(NamedTuple):
         stored = _Stored(*taken)
         if reached.time is None:
             return _Reached(taken.end, None), stored
-        after = _Reached(taken.end, jnp.where(jumps, following, own))
-        return after, stored._replace(starts=time, ends=own)
+        return _Reached(taken.end, own), stored._replace(starts=time, ends=own)
 
     def reached(self, number: Int[Array, ""], timed: bool) -> _Reached:
         """The start of a step."""
