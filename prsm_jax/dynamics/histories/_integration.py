@@ -164,7 +164,7 @@ class _Solution(NamedTuple):
 
 def _controller(rate: Any, end: Scalar, args: Any, scene: _Scene, solver: Any) -> tuple[Any, Any]:
     """Controller of adaptive steps, and a function of time that moves with reversals."""
-    from ..solvers.rodasp import supports_windows
+    from ..solvers.rodasp._windows import supports_windows
 
     moved = _moved_with_reversals(rate, end, args, scene)
     controller = controller_of(
@@ -264,7 +264,7 @@ def _solved_twice(rate, start, end, args, scene, *, static):
 
 @_solved_twice.def_jvp
 def _solved_twice_jvp(primals, tangents, *, static):
-    from ..solvers.rodasp import supports_windows
+    from ..solvers.rodasp._windows import supports_windows
 
     rate, start, end, args, scene = primals
     solver = _solver(scene, static)
@@ -291,24 +291,25 @@ def _solved_twice_jvp(primals, tangents, *, static):
 
 def _along_steps(primals, tangents, static: _Static):
     """Values of an integration in windows, and derivatives along its steps."""
-    from ..solvers import rodasp
+    from ..solvers.rodasp._along_steps import Motion, Solution, at_samples
+    from ..solvers.rodasp._windows import Problem, integrated as integrated_in_windows
 
     rate, start, end, args, scene = primals
     flat, unflatten = ravel_pytree(start)
     solver = _solver(scene, static)
     controller, _ = _controller(rate, end, args, scene, solver)
     breaks = breaks_inside(scene.breaks, end)
-    problem = rodasp.Problem(
+    problem = Problem(
         rate, flat, end, args, controller, breaks, solver, _FIRST_STEP, static.max_steps
     )
-    found = rodasp.integrated(problem, _sample_times(end, static.samples))
-    solution = rodasp.Solution(problem, found.windows, found.states)
+    found = integrated_in_windows(problem, _sample_times(end, static.samples))
+    solution = Solution(problem, found.windows, found.states)
 
     def states(rate, start, end, args):
         moved = _moved_with_reversals(rate, end, args, scene)
         times = _sample_times(end, static.samples)
-        motion = rodasp.Motion(rate, ravel_pytree(start)[0], end, args, times, moved)
-        return jax.vmap(unflatten)(rodasp.at_samples(motion, solution))
+        motion = Motion(rate, ravel_pytree(start)[0], end, args, times, moved)
+        return jax.vmap(unflatten)(at_samples(motion, solution))
 
     values, slopes = eqx.filter_jvp(states, (rate, start, end, args), tuple(tangents[:-1]))
     solved = _Solution(values, found.accepted, found.rejected, found.code)

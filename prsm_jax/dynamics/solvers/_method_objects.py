@@ -177,7 +177,7 @@ class Rodasp(Integrating):
         compact: bool = False,
     ) -> Solver:
         """RODASP."""
-        from .rodasp import Rodasp as Solved
+        from .rodasp._solver import Rodasp as Solved
 
         return Solved(autonomous, compact)
 

@@ -10,7 +10,7 @@ import pytest
 from scenes import array
 
 from prsm_jax.dynamics.solvers._step_control import _OF_THE_PAST, _OF_THE_REST
-from prsm_jax.dynamics.solvers.rodasp import Rodasp
+from prsm_jax.dynamics.solvers.rodasp._solver import Rodasp
 from prsm_jax.numerics import solve_small
 
 TIMES = np.linspace(0.0, 2.0, 41)

@@ -18,7 +18,7 @@ from prsm_jax.dynamics.solvers._sampled import (
     sampled,
     states_at_samples,
 )
-from prsm_jax.dynamics.solvers.rodasp import Rodasp
+from prsm_jax.dynamics.solvers.rodasp._solver import Rodasp
 
 _TIMES = jnp.linspace(0.0, 2.0, 41)
 #: On a sample.

@@ -12,7 +12,7 @@ from scenes import example
 import prsm_jax as prsm
 from prsm_jax.dynamics.histories._integration import Settings, integrated
 from prsm_jax.dynamics.solvers import DrivenRate, Rodasp, gradient_of
-from prsm_jax.dynamics.solvers.rodasp import Rodasp as Solved
+from prsm_jax.dynamics.solvers.rodasp._solver import Rodasp as Solved
 from prsm_jax.scenario import SineProfile
 
 
