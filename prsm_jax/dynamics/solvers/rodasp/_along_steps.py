@@ -266,13 +266,13 @@ class _Window(NamedTuple):
 
             active = number < self.record.steps
             pull = jax.vjp(step, self.moving, self.reached(number, timed))[1]
-            parts, before = pull((reached, jax.tree.map(lambda rows: rows[number], stored)))
+            parts, at_start = pull((reached, jax.tree.map(lambda rows: rows[number], stored)))
 
             def kept(new, old):
                 return jax.tree.map(lambda new, old: jnp.where(active, new, old), new, old)
 
             parts = [total + part for total, part in zip(totals, parts, strict=True)]
-            return number - 1, kept(before, reached), kept(parts, totals)
+            return number - 1, kept(at_start, reached), kept(parts, totals)
 
         nothing = [jnp.zeros_like(value) for value in self.moving]
         start = steps - 1, reached, nothing
