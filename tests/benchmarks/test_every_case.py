@@ -76,7 +76,7 @@ def test_no_problem_of_a_case_is_left_out_of_the_smoke_run(run):
     """Settling, missions few and many, without a jump of friction too, derivatives, lock step."""
     names = {problem["name"] for problem in run("many_transients")[0]["problems"]}
     missions = {"mission", "mission_smooth", "many_missions"}
-    assert names == {"settle", *missions, "gradients", "lock_step"}
+    assert names == {"settle", *missions, "gradients", "gradient_of_one", "lock_step"}
 
 
 def test_rivals_that_are_not_installed_are_rows(monkeypatch):
