@@ -99,6 +99,13 @@ class Scene:
 
         return Scenario(motion, force, self.duration, samples=self.samples)
 
+    @functools.cached_property
+    def inputs(self) -> tuple[Any, ...]:
+        """What the package's methods are given of all designs."""
+        designs = self.designs
+        given = designs.factors, self.kinematics, designs.speed, designs.load
+        return jax.tree.map(jnp.asarray, given)
+
     def rows(self, count: int) -> np.ndarray:
         """Numbers of the first designs, meshed apart from the package."""
         return apart(base(0.0), self.designs, self.numbers, count)
@@ -159,10 +166,7 @@ def _ours(
     """
     batched: Any = jax.vmap(_solver(scene, method, **options), in_axes=(0, 0, 0, 0, None))
     rows = np.arange(len(scene.designs.speed)) if order is None else order
-    inputs = jax.tree.map(
-        lambda x: jnp.asarray(np.asarray(x)[rows]),
-        (scene.designs.factors, scene.kinematics, scene.designs.speed, scene.designs.load),
-    )
+    inputs = jax.tree.map(lambda x: x[rows], scene.inputs)
     back = np.argsort(rows)
     jitted: Any
     if threads:
@@ -395,10 +399,6 @@ def _gradient_of_one(size: Size) -> Problem:
     """One result by three parameters: forward and reverse mode, and the value alone."""
     count, settings = size.slopes, size.tolerances
     scene = Scene(count, 1e-3, 21)
-    inputs = jax.tree.map(
-        jnp.asarray,
-        (scene.designs.factors, scene.kinematics, scene.designs.speed, scene.designs.load),
-    )
 
     def ours(name: str, method: Any, settings, gradient: str, slope: Any) -> Method:
         values = _sloped(scene, method, gradient)
@@ -416,7 +416,7 @@ def _gradient_of_one(size: Size) -> Problem:
                 # A value has no derivatives to show.
                 return {_OF_MEAN: np.asarray(out) if np.ndim(out) > 1 else np.full((1, 3), np.nan)}
 
-            return Prepared(lambda: jitted(*inputs, given), count, read)
+            return Prepared(lambda: jitted(*scene.inputs, given), count, read)
 
         return Method(name, prepare, settings, "rtol" if settings != (None,) else "")
 
@@ -446,10 +446,6 @@ def _gradient_of_one(size: Size) -> Problem:
 def _gradients(size: Size) -> Problem:
     count, settings = size.slopes, size.tolerances
     scene = Scene(count, 1e-3, 21)
-    inputs = jax.tree.map(
-        jnp.asarray,
-        (scene.designs.factors, scene.kinematics, scene.designs.speed, scene.designs.load),
-    )
 
     def ours(name: str, method: Any, settings, slopes: bool) -> Method:
         values = _sloped(scene, method)
@@ -464,7 +460,7 @@ def _gradients(size: Size) -> Problem:
             def read(out):
                 return {_SLOPES: np.asarray(out) if slopes else unknown}
 
-            return Prepared(lambda: jitted(*inputs, given), count, read)
+            return Prepared(lambda: jitted(*scene.inputs, given), count, read)
 
         return Method(name, prepare, settings, "rtol" if settings != (None,) else "")
 

@@ -162,12 +162,11 @@ class _Solution(NamedTuple):
     code: Int[Array, ""]
 
 
-def _controller(rate: Any, end: Scalar, args: Any, scene: _Scene, solver: Any) -> tuple[Any, Any]:
-    """Controller of adaptive steps, and a function of time that moves with reversals."""
+def _controller(rate: Any, end: Scalar, scene: _Scene, solver: Any, moved: Any) -> Any:
+    """Controller of adaptive steps; `moved` is a function of time that moves with reversals."""
     from ..solvers.rodasp._windows import supports_windows
 
-    moved = _moved_with_reversals(rate, end, args, scene)
-    controller = controller_of(
+    return controller_of(
         scene.rtol,
         scene.atol,
         scene.breaks,
@@ -179,7 +178,6 @@ def _controller(rate: Any, end: Scalar, args: Any, scene: _Scene, solver: Any) -
         scene.method.own_controller,
         supports_windows(rate, solver),
     )
-    return controller, moved
 
 
 def _solver(scene: _Scene, static: _Static) -> Any:
@@ -203,9 +201,11 @@ def _solved(
     from ..solvers._sampled import LAST_STATE, sampled, states_at_samples
 
     solver = _solver(scene, static)
-    controller, moved = _controller(rate, end, args, scene, solver)
-    adjoint = ForwardMode().adjoint()
-    if again is not None:
+    moved = _moved_with_reversals(rate, end, args, scene)
+    if again is None:
+        controller = _controller(rate, end, scene, solver, moved)
+        adjoint = ForwardMode().adjoint()
+    else:
         from ..solvers._recorded_steps import Again
 
         controller, adjoint = Again(again, moved), static.gradient.adjoint()
@@ -297,7 +297,8 @@ def _along_steps(primals, tangents, static: _Static):
     rate, start, end, args, scene = primals
     flat, unflatten = ravel_pytree(start)
     solver = _solver(scene, static)
-    controller, _ = _controller(rate, end, args, scene, solver)
+    moved = _moved_with_reversals(rate, end, args, scene)
+    controller = _controller(rate, end, scene, solver, moved)
     breaks = breaks_inside(scene.breaks, end)
     problem = Problem(
         rate, flat, end, args, controller, breaks, solver, _FIRST_STEP, static.max_steps

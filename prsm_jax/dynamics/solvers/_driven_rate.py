@@ -21,6 +21,12 @@ def _called(function, *args):
     return function(*args)
 
 
+def _at_each(drive, times, args):
+    """A drive at several times, as separate values: steps then read no rows of one array."""
+    found = jax.vmap(lambda time: drive(time, args))(times)
+    return [jax.tree.map(lambda x, k=k: x[k], found) for k in range(times.size)]
+
+
 def converted(function: Callable[..., Any], *args: Any) -> Callable[..., Any]:
     """A function whose traced values are its leaves, also those of functions in its arguments.
 
@@ -58,18 +64,11 @@ class DrivenRate(eqx.Module):
             return self.drive(time, args)
         return apart(_called)(self.drive, time, args)
 
-    def drives_of(self, times: Float[Array, " times"], args: Any) -> list[Any]:
+    def at_each(self, times: Float[Array, " times"], args: Any) -> list[Any]:
         """The drive at several times."""
-        count = times.size
         if self.constant:
-            return [self.drive(times[0], args)] * count
-
-        def evaluated(drive, times, args):
-            found = jax.vmap(lambda time: drive(time, args))(times)
-            # As separate values, so that steps do not have to read rows of one array.
-            return [jax.tree.map(lambda x, k=k: x[k], found) for k in range(count)]
-
-        return apart(evaluated)(self.drive, times, args)
+            return [self.drive(times[0], args)] * times.size
+        return apart(_at_each)(self.drive, times, args)
 
     def with_constant_drive(self) -> "DrivenRate":
         """The same where the drive is constant: it is then not evaluated separately."""
@@ -124,10 +123,7 @@ class DrivenRate(eqx.Module):
                 return drive(time, args)
 
             first, slope = jax.jvp(at, (times[0],), (jnp.ones_like(times[0]),))
-            others = jax.vmap(at)(times[1:])
-            # As separate values, so that steps do not have to read rows of one array.
-            parts = [jax.tree.map(lambda x, k=k: x[k], others) for k in range(times.size - 1)]
-            return [first, *parts], slope
+            return [first, *_at_each(drive, times[1:], args)], slope
 
         return apart(evaluated)(self.drive, times, args)
 

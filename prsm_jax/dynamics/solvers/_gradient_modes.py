@@ -45,7 +45,7 @@ class GradientMode(eqx.Module):
 
 
 class ReverseMode(GradientMode):
-    """Reverse mode with checkpoints: bounded memory for long scenes."""
+    """Reverse mode; where it does not follow the steps, with checkpoints: bounded memory."""
 
     word: ClassVar[str] = "reverse"
     along_steps: ClassVar[bool] = True

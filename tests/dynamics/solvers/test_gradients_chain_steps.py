@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from chains import ANY, IN_CHAIN, drive, leader
 from scenes import example
 
 import prsm_jax as prsm
@@ -15,31 +16,6 @@ from prsm_jax.dynamics.solvers import DrivenRate, Rodasp, gradient_of
 from prsm_jax.dynamics.solvers.rodasp._solver import Rodasp as Solved
 from prsm_jax.scenario import SineProfile
 
-
-def _drive(time, args):
-    frequency = args["frequency"]
-    return jnp.cos(frequency * time), -frequency * jnp.sin(frequency * time)
-
-
-def _chain(drive, state, args):
-    first, second = state
-    size = 1 + 0.2 * jnp.tanh(first * second)
-    return [
-        args["stiffness"] * (0.4 * drive[0] - first * size) + jnp.tanh(second),
-        0.5 * args["stiffness"] * (args["share"] * drive[0] - second - 0.1 * second**3),
-    ]
-
-
-def _rate(drive, state, args):
-    return jnp.stack(_chain(drive, list(state), args))
-
-
-def _leader(drive, _):
-    return drive
-
-
-_IN_CHAIN = DrivenRate(_drive, _rate, _leader, _chain)
-_ANY = DrivenRate(_drive, _rate, _leader)
 _POINT = jnp.array([30.0, 6.0, -0.7])
 
 
@@ -60,15 +36,15 @@ def _states(rate, gradient="forward", rtol=1e-6, constant=False):
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
 def test_errors_are_of_the_size_of_the_tolerance(rtol):
     """Derivatives of the steps' arithmetic have a third to a half of these errors."""
-    exact = jax.jit(jax.jacfwd(_states(_ANY, rtol=1e-12)))(_POINT)
+    exact = jax.jit(jax.jacfwd(_states(ANY, rtol=1e-12)))(_POINT)
     scale = jnp.abs(exact).max((0, 1), keepdims=True)
-    found = jax.jit(jax.jacfwd(_states(_IN_CHAIN, rtol=rtol)))(_POINT)
+    found = jax.jit(jax.jacfwd(_states(IN_CHAIN, rtol=rtol)))(_POINT)
     # 3.3, 2.4 and 2.0 tolerances.
     assert float(jnp.max(jnp.abs(found - exact) / scale)) < 5 * rtol
 
 
 def test_values_are_those_of_the_same_steps():
-    found = [jax.jit(_states(rate))(_POINT) for rate in (_IN_CHAIN, _ANY)]
+    found = [jax.jit(_states(rate))(_POINT) for rate in (IN_CHAIN, ANY)]
     np.testing.assert_allclose(*found, rtol=1e-11, atol=1e-13)
 
 
@@ -76,7 +52,7 @@ def test_reverse_mode_is_the_transpose_of_forward_mode():
     weights = jnp.linspace(1.0, 2.0, 42).reshape(21, 2)
 
     def total(gradient):
-        return lambda point: jnp.sum(weights * _states(_IN_CHAIN, gradient)(point))
+        return lambda point: jnp.sum(weights * _states(IN_CHAIN, gradient)(point))
 
     forward = jax.jit(jax.jacfwd(total("both")))(_POINT)
     for gradient in ("both", "reverse"):
@@ -86,7 +62,7 @@ def test_reverse_mode_is_the_transpose_of_forward_mode():
 
 def test_second_derivatives_are_differences_of_the_first():
     def total(point):
-        return jnp.sum(_states(_IN_CHAIN, rtol=1e-10)(point)[:, 0] ** 2)
+        return jnp.sum(_states(IN_CHAIN, rtol=1e-10)(point)[:, 0] ** 2)
 
     slope = jax.jit(jax.jacfwd(total))
     second = jax.jit(jax.jacfwd(jax.jacfwd(total)))(_POINT)
@@ -101,20 +77,20 @@ def test_second_derivatives_are_differences_of_the_first():
 def test_a_constant_drive_is_evaluated_once_for_a_step():
     args = {"stiffness": _POINT[0], "frequency": jnp.asarray(0.0), "share": _POINT[2]}
     time, times = jnp.asarray(0.3), jnp.linspace(0.3, 0.4, 5)
-    constant = _IN_CHAIN.with_constant_drive().closed(time, jnp.zeros(2), args)
+    constant = IN_CHAIN.with_constant_drive().closed(time, jnp.zeros(2), args)
     drives, change = constant.drives_at(times, args)
     assert len(drives) == 1
     assert change is None
-    drives, change = _IN_CHAIN.closed(time, jnp.zeros(2), args).drives_at(times, args)
+    drives, change = IN_CHAIN.closed(time, jnp.zeros(2), args).drives_at(times, args)
     assert len(drives) == 5
     assert change is not None
 
 
 def test_a_constant_drive():
     """The frequency has no effect then, and a parameter acts through the rates alone."""
-    found = jax.jit(jax.jacfwd(_states(_IN_CHAIN, rtol=1e-9, constant=True)))
+    found = jax.jit(jax.jacfwd(_states(IN_CHAIN, rtol=1e-9, constant=True)))
     still = _POINT.at[1].set(0.0)
-    exact = jax.jit(jax.jacfwd(_states(_ANY, rtol=1e-12, constant=True)))(still)
+    exact = jax.jit(jax.jacfwd(_states(ANY, rtol=1e-12, constant=True)))(still)
     np.testing.assert_allclose(found(still)[..., ::2], exact[..., ::2], atol=2e-9)
 
 
@@ -147,11 +123,11 @@ def test_first_derivatives_need_no_second_derivatives_of_the_rates(constant):
         return jnp.stack(chain(drive, list(state), args))
 
     for gradient, mode in (("forward", jax.jacfwd), ("reverse", jax.jacrev)):
-        in_chain = DrivenRate(_drive, rate, _leader, chain)
+        in_chain = DrivenRate(drive, rate, leader, chain)
         slopes = mode(_states(in_chain, gradient, constant=constant))(_POINT)
         assert bool(jnp.all(jnp.isfinite(slopes)))
     with pytest.raises(AssertionError, match="a second derivative"):
-        jax.jacfwd(_states(DrivenRate(_drive, rate, _leader), constant=constant))(_POINT)
+        jax.jacfwd(_states(DrivenRate(drive, rate, leader), constant=constant))(_POINT)
 
 
 def test_derivatives_stay_bounded_over_reversals_with_exact_friction():
@@ -179,7 +155,7 @@ def test_derivatives_stay_bounded_over_reversals_with_exact_friction():
 def _moved_step(point):
     """The end of one step whose start and end, state and parameters move with three numbers."""
     args = {"stiffness": 30.0 * point[1], "frequency": jnp.asarray(6.0), "share": jnp.asarray(-0.7)}
-    closed: Any = _IN_CHAIN.closed(point[0], point[:2], args)
+    closed: Any = IN_CHAIN.closed(point[0], point[:2], args)
     start = jnp.array([0.2, 0.1]) * point[1]
     y1, *_ = Solved().step(
         diffrax.ODETerm(closed), point[0], point[2], start, args, None, made_jump=False

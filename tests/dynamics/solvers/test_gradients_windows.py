@@ -6,40 +6,17 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from chains import ANY, IN_CHAIN
 
 from prsm_jax.dynamics.histories._integration import Settings, integrated
 from prsm_jax.dynamics.solvers import DrivenRate, ReverseMode, Rodasp, gradient_of
 from prsm_jax.dynamics.solvers.rodasp import _windows
 
-
-def _drive(time, args):
-    frequency = args["frequency"]
-    return jnp.cos(frequency * time), -frequency * jnp.sin(frequency * time)
-
-
-def _chain(drive, state, args):
-    first, second = state
-    size = 1 + 0.2 * jnp.tanh(first * second)
-    return [
-        args["stiffness"] * (0.4 * drive[0] - first * size) + jnp.tanh(second),
-        0.5 * args["stiffness"] * (args["share"] * drive[0] - second - 0.1 * second**3),
-    ]
-
-
-def _rate(drive, state, args):
-    return jnp.stack(_chain(drive, list(state), args))
-
-
-def _leader(drive, _):
-    return drive
-
-
-_IN_CHAIN = DrivenRate(_drive, _rate, _leader, _chain)
 #: Stiffness, frequency, share, scale of the start, and the end of the integration.
 _POINT = jnp.array([30.0, 6.0, -0.7, 1.0, 2.0])
 
 
-def _states(gradient, rtol=1e-6, samples=21, breaks=(), moves=False, most=4096, rate=_IN_CHAIN):
+def _states(gradient, rtol=1e-6, samples=21, breaks=(), moves=False, most=4096, rate=IN_CHAIN):
     mode = gradient_of(gradient)
     settings = Settings(Rodasp(), mode, rtol, 0.01 * rtol, most)
 
@@ -92,9 +69,9 @@ def test_forward_and_reverse_agree_in_one_window_and_in_many(scene, monkeypatch)
     for tried in (125, 11):
         monkeypatch.setattr(_windows, "_TRIED", tried)
         forward, reverse = of("both", jax.jacfwd), of("both", jax.grad)
-        np.testing.assert_allclose(reverse, forward, rtol=1e-11)
+        np.testing.assert_allclose(reverse, forward, rtol=1e-13)
         # Forward mode alone differentiates the same steps while it takes them.
-        np.testing.assert_allclose(forward, exact, rtol=1e-9)
+        np.testing.assert_allclose(forward, exact, rtol=1e-13)
 
 
 @pytest.mark.parametrize("gradient", ["forward", "both"])
@@ -120,7 +97,7 @@ def test_errors_are_of_the_size_of_the_tolerance():
         error = _scaled(found, exact)
         # The last one, by the end, is the slope of the interpolation, of one order less.
         assert float(jnp.max(error[:4])) < 5 * rtol
-        assert float(error[4]) < 100 * rtol
+        assert float(error[4]) < 40 * rtol
 
 
 def test_a_batch_whose_designs_need_different_numbers_of_windows(monkeypatch):
@@ -135,7 +112,7 @@ def test_a_batch_whose_designs_need_different_numbers_of_windows(monkeypatch):
     found, steps = jax.jit(jax.vmap(jax.grad(total, has_aux=True)))(points)
     assert -(-int(steps.max()) // 11) > -(-int(steps.min()) // 11) + 3
     for point, one in zip(points, found, strict=True):
-        np.testing.assert_allclose(one, slope(point)[0], rtol=1e-11, atol=1e-14)
+        np.testing.assert_allclose(one, slope(point)[0], rtol=1e-12, atol=1e-14)
 
 
 def test_forward_mode_over_reverse_mode(monkeypatch):
@@ -147,7 +124,7 @@ def test_forward_mode_over_reverse_mode(monkeypatch):
     exact = jax.jit(jax.jacfwd(jax.jacfwd(total("forward"))))(_POINT[:4])
     found = jax.jit(jax.jacfwd(jax.grad(total("both"))))(_POINT[:4])
     scale = jnp.sqrt(jnp.outer(jnp.abs(jnp.diagonal(exact)), jnp.abs(jnp.diagonal(exact))))
-    np.testing.assert_allclose(found / scale, exact / scale, atol=1e-6)
+    np.testing.assert_allclose(found / scale, exact / scale, atol=1e-13)
 
 
 def test_an_integration_that_is_out_of_steps_has_finite_derivatives(monkeypatch):
@@ -175,7 +152,7 @@ def test_an_integration_that_is_out_of_steps_has_finite_derivatives(monkeypatch)
     assert int(report.code) == 1
     assert bool(jnp.any(reached))
     np.testing.assert_array_equal(jnp.isfinite(found), reached)
-    np.testing.assert_allclose(found[reached], plain[reached], rtol=1e-11)
+    np.testing.assert_allclose(found[reached], plain[reached], rtol=1e-13)
     assert bool(jnp.all(jnp.isfinite(slopes)))
     slopes, (_, report) = of(needed)
     assert int(report.code) == 0
@@ -221,7 +198,7 @@ def test_other_modes_and_solvers_repeat_their_steps():
         # The equation of the transposed function, by the name of its primitive.
         return "linear_with_transpose" in str(jax.make_jaxpr(total)(_POINT))
 
-    assert found("reverse", _IN_CHAIN)
-    assert found("both", _IN_CHAIN)
-    assert not found(Checkpointed(), _IN_CHAIN)
-    assert not found("reverse", DrivenRate(_drive, _rate, _leader))
+    assert found("reverse", IN_CHAIN)
+    assert found("both", IN_CHAIN)
+    assert not found(Checkpointed(), IN_CHAIN)
+    assert not found("reverse", ANY)

@@ -19,9 +19,9 @@ from ....fields import Scalar
 from ....numerics import with_transpose
 from .._driven_rate import DrivenRate
 from ._jacobians import NODES
-from ._solver import RodasInterpolation
+from ._solver import at_nodes
 from ._step import length_of
-from ._variational import Given, Slopes, step_slopes
+from ._variational import Given, Slopes, of_start_and_length, step_slopes
 from ._windows import Problem, Record, Windows, at_times, before
 
 
@@ -119,9 +119,7 @@ class _Along(NamedTuple):
         problem, known = self.solution.problem, self.solution.windows
 
         def again(place):
-            record = problem.window(place)[0]
-            # A solution that has ended before has no steps in this window.
-            return record._replace(steps=jnp.where(number < known.used, record.steps, 0))
+            return problem.window(place)[0]
 
         place = jax.tree.map(lambda x: x[number], known.places)
         record = jax.lax.cond(number + 1 == windows, lambda _: known.last, again, place)
@@ -129,7 +127,7 @@ class _Along(NamedTuple):
 
     def forward(self, inputs: Sequence[Any]) -> list[Array]:
         """Derivatives of the samples from those of the numbers."""
-        windows = eqxi.unvmap_max(self.solution.windows.used)
+        windows = self.solution.windows.used
         begin = jax.jvp(self.begin, (self.moving,), (inputs,))[1]
 
         def body(carry):
@@ -145,7 +143,7 @@ class _Along(NamedTuple):
 
     def backward(self, cotangents: Sequence[Any]) -> list[Array]:
         """Derivatives by the numbers from those by the samples."""
-        windows = eqxi.unvmap_max(self.solution.windows.used)
+        windows = self.solution.windows.used
         begin, pull = jax.vjp(self.begin, self.moving)
 
         def body(carry):
@@ -290,25 +288,18 @@ def _known_step(field, start, end, state, args, known: Slopes) -> Slopes:
 def _known_step_jvp(primals, tangents):
     field, start, end, state, args, known = primals
     d_field, d_start, d_end, d_state, d_args, _ = tangents
-    length, d_length, d_nodes = length_of(start, end), None, None
-    shares = jnp.asarray(NODES, state.dtype)
-    if d_start is not None or d_end is not None:
-        d_start, d_end = (jnp.zeros_like(start) if d is None else d for d in (d_start, d_end))
-        d_length = d_end - d_start
-        d_nodes = d_start + shares * d_length
+    length, shares = length_of(start, end), jnp.asarray(NODES, state.dtype)
+    d_start, d_length = of_start_and_length(start, d_start, d_end)
+    d_nodes = None if d_start is None else d_start + shares * d_length
     drives, d_drives = eqx.filter_jvp(
-        lambda field, times, args: field.drives_of(times, args),
+        lambda field, times, args: field.at_each(times, args),
         (field, start + shares * length, args),
         (d_field, d_nodes, d_args),
     )
-    between = RodasInterpolation(
-        t0=start, t1=end, y0=state, y1=known.end, first=known.first, second=known.second
-    )
-    middle = between.at_share(jnp.asarray(0.5, state.dtype))
     slopes = step_slopes(
         Given(field, drives, length, state, args),
         Given(d_field, d_drives, d_length, d_state, d_args),
-        [state, middle, known.end],
+        at_nodes(state, known),
     )
     return _known_step(*primals), slopes
 

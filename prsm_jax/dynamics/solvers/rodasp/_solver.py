@@ -25,13 +25,18 @@ from .._driven_rate import DrivenRate
 from ._following import following_of
 from ._jacobians import NODES, chain_jacobian, full_jacobian
 from ._step import INSIDE_STAGE, SHARES, Motion, Taken, length_of, looped_step, step_of
-from ._variational import Given, step_slopes
+from ._variational import Given, Slopes, of_start_and_length, step_slopes
 
 
 def _cubic(share, y0, y1, first, second):
     inside = y0 + share * ((y1 - y0) + (1 - share) * (first + share * second))
     # A state at rest, and the end itself, are free of the rounding of weights.
     return jnp.where(share == 1, y1, inside)
+
+
+def at_nodes(state, taken: Taken | Slopes) -> list[Float[Array, " states"]]:
+    """States at the nodes of the variational equation, from the state at the start of a step."""
+    return [state, _cubic(0.5, state, *taken[:3]), taken.end]
 
 
 class RodasInterpolation(StepInterpolation):
@@ -101,27 +106,22 @@ def _step_and_slopes(primals, tangents):
     field, drives, _, t0, t1, flat, args = primals
     d_field, d_drives, _, d_t0, d_t1, d_flat, d_args = tangents
     taken = _differentiable_step(*primals)
-    length, d_length, d_middle = length_of(t0, t1), None, None
-    if d_t0 is not None or d_t1 is not None:
-        d_t0, d_t1 = (jnp.zeros_like(t0) if d is None else d for d in (d_t0, d_t1))
-        d_length, d_middle = d_t1 - d_t0, 0.5 * (d_t0 + d_t1)
+    length = length_of(t0, t1)
+    d_t0, d_length = of_start_and_length(t0, d_t0, d_t1)
     if field.constant:
         drives, d_drives = [drives[0]] * len(NODES), [d_drives[0]] * len(NODES)
     else:
         middle, d_drive = eqx.filter_jvp(
             lambda field, time, args: field.drive_at(time, args),
             (field, t0 + 0.5 * length, args),
-            (d_field, d_middle, d_args),
+            (d_field, None if d_t0 is None else d_t0 + 0.5 * d_length, d_args),
         )
         drives = [drives[0], middle, drives[-1]]
         d_drives = [d_drives[0], d_drive, d_drives[-1]]
-    between = RodasInterpolation(
-        t0=t0, t1=t1, y0=flat, y1=taken.end, first=taken.first, second=taken.second
-    )
     slopes = step_slopes(
         Given(field, drives, length, flat, args),
         Given(d_field, d_drives, d_length, d_flat, d_args),
-        [flat, between.at_share(jnp.asarray(0.5, flat.dtype)), taken.end],
+        at_nodes(flat, taken),
     )
     none = jax.tree.map(lambda _: None, taken)
     return taken, none._replace(end=slopes.end, first=slopes.first, second=slopes.second)

@@ -32,6 +32,20 @@ class Given(NamedTuple):
     args: Any
 
 
+def of_start_and_length(start, d_start, d_end) -> tuple[Any, Any]:
+    """Derivatives of the start and of the length of a step; `None` where no end moves.
+
+    **Arguments:**
+
+    - `start`: of the step.
+    - `d_start`, `d_end`: derivatives of its ends, or `None`.
+    """
+    if d_start is None and d_end is None:
+        return None, None
+    d_start, d_end = (jnp.zeros_like(start) if d is None else d for d in (d_start, d_end))
+    return d_start, d_end - d_start
+
+
 def step_slopes(
     given: Given, derivatives: Given, states: Sequence[Float[Array, " states"]]
 ) -> Slopes:
@@ -73,4 +87,4 @@ def step_slopes(
     return Slopes(start + total, first - total, 2 * total - first - last)
 
 
-__all__ = ["Given", "Slopes", "step_slopes"]
+__all__ = ["Given", "Slopes", "of_start_and_length", "step_slopes"]

@@ -27,6 +27,8 @@ from ._solver import RodasInterpolation, Rodasp
 #: Largest number of steps tried in a window. At powers of two, the numbers of different designs
 #: compete for the same places of a cache: 256 steps took three times as long as 125.
 _TRIED = 125
+#: Code of an integration that is out of steps, as in `code_of`.
+_OUT_OF_STEPS = 1
 
 
 def supports_windows(rate: Any, solver: Any) -> bool:
@@ -74,6 +76,7 @@ class _Resumed(diffrax.AbstractStepSizeController[Any, Any]):
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
         """As the controller that is wrapped, or the end that is given."""
         if self.end is not None:
+            # diffrax is given the state, too.
             return self.end, None
         end, state = self.controller.init(terms, t0, t1, y0, dt0, args, func, error_order)
         return end, (state, end)
@@ -193,6 +196,7 @@ class Windows(NamedTuple):
 
     #: Starts of the windows, along the first axis.
     places: Place
+    #: Number of windows of the batch; in those after its end a solution has no steps.
     used: Int[Array, ""]
     #: The steps of the last window of the batch.
     last: Record
@@ -250,10 +254,6 @@ class Integrated(NamedTuple):
     code: Int[Array, ""]
 
 
-#: Code of an integration that is out of steps, as in `code_of`.
-_OUT_OF_STEPS = 1
-
-
 def integrated(problem: Problem, times: Float[Array, " times"]) -> Integrated:
     """Integrate window by window, and keep what derivatives need.
 
@@ -284,14 +284,12 @@ def integrated(problem: Problem, times: Float[Array, " times"]) -> Integrated:
         def kept(new, old):
             return jax.tree.map(lambda new, old: jnp.where(running, new, old), new, old)
 
-        record = record._replace(steps=jnp.where(running, record.steps, 0))
         places = jax.tree.map(lambda rows, x: rows.at[number].set(x), found.windows.places, place)
-        count = jnp.where(running, number + 1, found.windows.used)
         found = Integrated(
             at_times(record, times, found.states),
-            Windows(places, count, record),
+            Windows(places, number + 1, record),
             found.accepted + record.steps,
-            found.rejected + jnp.where(running, solution.stats["num_rejected_steps"], 0),
+            found.rejected + solution.stats["num_rejected_steps"],
             jnp.where(running, code_of(solution.result), found.code),
         )
         return number + 1, kept(after, place), found
