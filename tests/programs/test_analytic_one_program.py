@@ -44,6 +44,7 @@ def compilations():
 
 
 ONE, OTHER = (mechanism(stage(roller_count=n), speed=speed) for n, speed in ((7, 90.0), (7, 80.0)))
+ANOTHER = mechanism(stage(roller_count=8))
 SINE = prsm.scenario.SineProfile
 
 
@@ -79,6 +80,11 @@ def _driven(torque):
     ids=["closed form", "integrated", "quasi-steady", "torque"],
 )
 def test_a_transient_with_other_numbers_compiles_nothing(scene, method, first, second, solver):
+    # The first trace in a process also compiles single operations of diffrax, whatever the scene.
+    jax.eval_shape(
+        lambda number: prsm.simulate(ANOTHER, scene(number), method=method, throw=False).time,
+        jnp.asarray(first),
+    )
     with compilations() as made:
         run = prsm.simulate(ONE, scene(first), method=method, throw=False)
     assert run.solver.name == solver
