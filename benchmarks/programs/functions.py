@@ -1,4 +1,8 @@
-"""Public functions and what verbs compute, each as a function of a few numbers of an example."""
+"""Public functions and what verbs compute, each as a function of a few numbers of an example.
+
+Of the package, only names are used that stay from release to release, so the programs of an older
+one can be measured too.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,8 +12,6 @@ import jax
 import jax.numpy as jnp
 
 import prsm_jax as prsm
-from prsm_jax.findings import check_numbers
-from prsm_jax.mechanism import get_parameter, set_parameters
 
 EXAMPLES = ("actuator", "wu2022", "li2020_two_stage")
 KINDS = ("value", "gradient", "hessian")
@@ -17,6 +19,13 @@ KINDS = ("value", "gradient", "hessian")
 BATCHES = (1, 100)
 VARIABLES = ("stage.1.lead", "stage.1.contact_angle", "stage.1.roller_radius")
 _FREQUENCIES = (500.0, 1000.0, 2000.0)
+
+
+def _check(mechanism):
+    # A name of this release: the other functions do not depend on it.
+    from prsm_jax.findings import check_numbers
+
+    return check_numbers(mechanism)
 
 
 def _all(mechanism):
@@ -38,7 +47,7 @@ FUNCTIONS: dict[str, tuple[Callable[[Any], Any], Callable[[Any], Any] | None]] =
     "simulate": (lambda m: prsm.simulate(m, throw=False), lambda found: found.efficiency[-1]),
     "frequency_response": (_response, lambda found: jnp.abs(found[0])),
     "campbell": (lambda m: prsm.campbell(m).critical_speeds, None),
-    "check": (check_numbers, None),
+    "check": (_check, None),
     "compute_all": (_all, None),
     "max_pressure": (_quantity("max_pressure"), lambda found: found),
     "max_pressure_shared": (_quantity("max_pressure_shared"), lambda found: found),
@@ -67,10 +76,13 @@ def program(example: str, name: str, kind: str, batch: int):
     """
     mechanism = prsm.load(example)
     function, scalar = FUNCTIONS[name]
-    centre = jnp.stack([get_parameter(mechanism, one) for one in VARIABLES])
+    centre = jnp.stack([jnp.asarray(prsm.get_parameter(mechanism, one)) for one in VARIABLES])
 
     def found(numbers):
-        return function(set_parameters(mechanism, dict(zip(VARIABLES, numbers, strict=True))))
+        moved = mechanism
+        for variable, number in zip(VARIABLES, numbers, strict=True):
+            moved = prsm.set_parameter(moved, variable, number)
+        return function(moved)
 
     def one(numbers):
         assert scalar is not None

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from ..harness import row_of, table_of, where_and_when, write_text
-from .functions import EXAMPLES, FUNCTIONS
+from .functions import EXAMPLES, FUNCTIONS, KINDS
 
 _HEAD = """\
 # Compiling
@@ -43,8 +43,7 @@ def compared(new: dict[str, Any], old: dict[str, Any]) -> str:
     """Ratios of a run to an older one, program by program, and of all compile times together."""
 
     def by_key(document):
-        keys = ("example", "function", "kind", "batch")
-        return {tuple(r[k] for k in keys): r for r in document["programs"] if not r["error"]}
+        return {_name_of(r): r for r in document["programs"] if not r["error"]}
 
     before, after = by_key(old), by_key(new)
     both = [key for key in after if key in before]
@@ -57,6 +56,61 @@ def compared(new: dict[str, Any], old: dict[str, Any]) -> str:
     if sums[1]:
         lines += ["", f"All compile times: {sums[0]:.1f} s over {sums[1]:.1f} s."]
     return "\n".join([*lines, ""])
+
+
+def _processor_s(row: dict[str, Any]) -> float | None:
+    """Tracing, lowering and compiling of a program; its limit if it takes longer."""
+    if row["error"]:
+        return row.get("limit_s")
+    return row["trace_s"] + row["lower_s"] + row["compile_s"]
+
+
+def totals(document: dict[str, Any]) -> str:
+    """Processor time until programs are ready, in this and in another commit, as Markdown.
+
+    **Arguments:**
+
+    - `document`: what `programs.json` has after a run with `--beside`.
+    """
+    here, there = ({_name_of(r): r for r in document[k]} for k in ("programs", "beside"))
+    pairs = [
+        (kind, a, b)
+        for name in here.keys() & there.keys()
+        for kind in (here[name]["kind"],)
+        for a, b in ((_processor_s(here[name]), _processor_s(there[name])),)
+        if a is not None and b is not None
+    ]
+    lines = table_of(["programs", "count", "then", "now", "now over then"])
+    for words, kinds in (
+        *((f"{kind}s", (kind,)) for kind in KINDS),
+        ("all", KINDS),
+    ):
+        times = [(a, b) for kind, a, b in pairs if kind in kinds]
+        now, then = (sum(column) for column in zip(*times, strict=True)) if times else (0.0, 0.0)
+        ratio = f"{now / then:.2f}" if then else ""
+        lines.append(row_of([words, str(len(times)), f"{then:.0f} s", f"{now:.0f} s", ratio]))
+    for words, rows in (("then", there), ("now", here)):
+        late = [" ".join(map(str, n)) for n, r in rows.items() if "limit_s" in r]
+        if late:
+            lines += ["", f"Not done within their limit, which is counted, {words}: "]
+            lines[-1] += f"{', '.join(late)}."
+    return "\n".join([*lines, ""])
+
+
+def _name_of(row: dict[str, Any]) -> tuple[Any, ...]:
+    return tuple(row[key] for key in ("example", "function", "kind", "batch"))
+
+
+def _beside(document: dict[str, Any]) -> list[str]:
+    if "beside" not in document:
+        return []
+    commit = document["beside_commit"]
+    head = f"## Against commit {commit}\n"
+    words = (
+        "Processor time of tracing, lowering and compiling, both commits at the same time. A\n"
+        "program that either commit does not have is left out.\n"
+    )
+    return [head, words, totals(document)]
 
 
 def _missing(rows: list[dict[str, Any]]) -> str:
@@ -77,6 +131,7 @@ def write_page(document: dict[str, Any], folder: Path) -> Path:
     """
     rows, measured = document["programs"], f"{where_and_when(document)}.\n"
     longest = sorted((r for r in rows if not r["error"]), key=lambda r: -r["compile_s"])[:10]
-    parts = [_HEAD, measured, "## The longest to compile\n", tables(longest), "## All\n"]
+    parts = [_HEAD, measured, *_beside(document)]
+    parts += ["## The longest to compile\n", tables(longest), "## All\n"]
     text = "\n".join([*parts, tables(rows), _missing(rows)]).rstrip() + "\n"
     return write_text(folder / "programs.md", text)

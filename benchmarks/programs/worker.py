@@ -3,16 +3,12 @@
 Prints one JSON object.
 """
 
+import argparse
 import json
 import sys
 import time
+from pathlib import Path
 from typing import Any
-
-import jax
-import numpy as np
-
-from ..load.counted import counted
-from .functions import program
 
 _SAMPLING_S = 0.3
 
@@ -22,6 +18,13 @@ def measure(example: str, name: str, kind: str, batch: int) -> dict[str, Any]:
 
     **Arguments:** as for `program`.
     """
+    # Not at the top: `--tree` decides which package is imported.
+    import jax
+    import numpy as np
+
+    from ..load.counted import counted
+    from .functions import program
+
     function, numbers = program(example, name, kind, batch)
     begin = time.process_time()
     equations = counted(function, numbers).equations
@@ -50,10 +53,36 @@ def measure(example: str, name: str, kind: str, batch: int) -> dict[str, Any]:
     }
 
 
-if __name__ == "__main__":
+def _end_after(seconds: float) -> None:
+    """End this process by a signal when it has used so much processor time."""
     try:
-        row = measure(sys.argv[1], sys.argv[2], sys.argv[3], int(sys.argv[4]))
+        import resource
+    except ImportError:
+        return
+    limit = round(seconds)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
+
+
+def main() -> None:
+    """Measure what the words of the command line say; why it failed is in the row."""
+    parser = argparse.ArgumentParser()
+    for word in ("example", "name", "kind"):
+        parser.add_argument(word)
+    parser.add_argument("batch", type=int)
+    parser.add_argument("--limit", type=float, required=True, help="processor time [s]")
+    parser.add_argument("--tree", type=Path, help="folder whose prsm_jax is imported")
+    given = parser.parse_args()
+    if given.tree is not None:
+        sys.path.insert(0, str(given.tree))
+    _end_after(given.limit)
+    try:
+        row = measure(given.example, given.name, given.kind, given.batch)
     except Exception as error:
         # Why there is no such program is a row of the table.
         row = {"error": " ".join(str(error).split()) or type(error).__name__}
     print(json.dumps(row))
+
+
+if __name__ == "__main__":
+    main()

@@ -133,6 +133,37 @@ def test_program_cells_and_ratios(tmp_path):
     assert "li2020_two_stage steady_state" in page.partition("Not in this run: ")[2]
 
 
+def test_totals_of_two_commits(tmp_path):
+    """A program that is not done counts with its limit; one that a commit lacks does not count."""
+    late = {"kind": "hessian", "error": "not done in 9 s", "limit_s": 9.0}
+    gone = {"function": "campbell", "error": "no such name"}
+    document = {
+        "machine": {"cores": 2, "processor": "x"}, "date": "2026-01-02T", "beside_commit": "abc",
+        "programs": [_row(), _row(kind="hessian", trace_s=1.25), _row(function="campbell")],
+        "beside": [_row(compile_s=6.75, kind="value"), _row(**late), _row(**gone)],
+    }  # fmt: skip
+    text = programs_page.totals(document)
+    assert "| values | 1 | 8 s | 4 s | 0.50 |" in text
+    assert "| gradients | 0 | 0 s | 0 s |  |" in text
+    assert "| hessians | 1 | 9 s | 4 s | 0.50 |" in text
+    assert "| all | 2 | 16 s | 8 s | 0.50 |" in text
+    assert "Not done within their limit, which is counted, then: wu2022 modal hessian 1." in text
+    assert "counted, now" not in text
+    page = programs_page.write_page(document, tmp_path).read_text()
+    assert "## Against commit abc" in page
+    assert text in page
+
+
+def test_a_program_that_takes_too_long_and_one_of_another_tree(tmp_path):
+    row = measured("li2020_two_stage", "steady_state", "value", 1, 1.0)
+    assert (row["error"], row["limit_s"]) == ("not done in 1 s", 1.0)
+    package = tmp_path / "prsm_jax"
+    package.mkdir()
+    (package / "__init__.py").write_text("raise ValueError('this is the other tree')")
+    row = measured("li2020_two_stage", "steady_state", "value", 1, 100.0, tmp_path)
+    assert row["error"] == "this is the other tree"
+
+
 def test_a_program_and_one_that_there_is_not():
     row = measured("li2020_two_stage", "max_pressure", "value", 1, 200.0)
     assert row["error"] is None
