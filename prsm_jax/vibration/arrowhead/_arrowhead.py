@@ -4,6 +4,7 @@ All numbers are scalars rather than small matrices: under `jax.vmap` each become
 array and the whole analysis a few fused loops over designs.
 """
 
+import functools
 from typing import NamedTuple
 
 import jax
@@ -44,7 +45,9 @@ def _padded(support, mesh, mass, factor):
     return support, mesh, [*mass, roller]
 
 
+# Traced once for all stages and mechanisms; the program is the same.
 @jax.custom_jvp
+@functools.partial(jax.jit, inline=True)
 def arrowhead_modes(
     support: tuple[Scalar, ...],
     mesh: tuple[Scalar, ...],
