@@ -72,9 +72,11 @@ class Quantities:
             for name in wanted
             for label in prsm.quantities.component_names(name, shapes[name].shape)
         ]
+        #: Values alone, of one vector of numbers.
+        self.evaluate = lambda vector: evaluate(vector)[0]
         self._run = jax.jit(jax.vmap(evaluate))
         self._push = jax.jit(
-            jax.vmap(lambda x, t: jax.jvp(lambda v: evaluate(v)[0], (x,), (t,))[1], (None, 0))
+            jax.vmap(lambda x, t: jax.jvp(self.evaluate, (x,), (t,))[1], (None, 0))
         )
 
     def __call__(self, rows):
@@ -94,9 +96,27 @@ class Quantities:
         shifts = np.concatenate([_STEPS, -_STEPS])
         rows = self.values + shifts[:, None, None] * np.diag(sizes(self.names, self.values))[None]
         found, _ = self(rows.reshape(-1, len(self.values)))
-        found = found.reshape(2, len(_STEPS), len(self.values), -1)
-        steps = _STEPS[:, None, None]
-        rounding = _ROUNDING * np.max(np.abs(found), axis=(0, 1)) / steps
+        return _differences(found.reshape(2, len(_STEPS), len(self.values), -1))
+
+    def second_derivative(self, direction):
+        """Forward over forward, of every label along a direction."""
+        slope = lambda v: jax.jvp(self.evaluate, (v,), (direction,))[1]  # noqa: E731
+        return np.asarray(jax.jit(lambda v: jax.jvp(slope, (v,), (direction,))[1])(self.values))
+
+    def second_difference(self, direction):
+        """The same by differences of first derivatives, and an estimate of their own error."""
+        slope = jax.vmap(lambda v: jax.jvp(self.evaluate, (v,), (direction,))[1])
+        shifts = np.concatenate([_STEPS, -_STEPS])
+        found = np.asarray(jax.jit(slope)(self.values + shifts[:, None] * direction))
+        return _differences(found.reshape(2, len(_STEPS), -1))
+
+
+def _differences(found):
+    """Limit and error from values at all steps (second axis) ahead (first axis) and back."""
+    steps = _STEPS.reshape(-1, *(1,) * (found.ndim - 2))
+    rounding = _ROUNDING * np.max(np.abs(found), axis=(0, 1)) / steps
+    # Infinite values have no difference.
+    with np.errstate(invalid="ignore"):
         return extrapolated((found[0] - found[1]) / (2 * steps), rounding)
 
 

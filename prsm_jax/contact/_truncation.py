@@ -162,7 +162,9 @@ def _risk_beyond_jvp(primals, tangents):
     (reach,), (tangent,) = primals, tangents
     inside = jnp.minimum(reach, 1.0)
     density = (1 - inside) * (1 + inside)
-    return risk_beyond(reach), -jnp.sqrt(density) * density**4 / (2 * _HALF_INTEGRAL) * tangent
+    # Beyond the end both are 0, and the derivative of the root is infinite.
+    power = root_or_zero(density) * density**4
+    return risk_beyond(reach), -power / (2 * _HALF_INTEGRAL) * tangent
 
 
 @jax.custom_jvp

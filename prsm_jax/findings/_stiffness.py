@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator
 
-import jax.numpy as jnp
 import numpy as np
 
 from .._errors import MissingDataError
@@ -12,7 +11,7 @@ from ..fields import Scalar
 from ..geometry import Finding
 from ..mechanism import Mechanism, Stage
 from ..quantities import Analysis
-from ..stiffness import loaded_threads, thread_stiffness
+from ..stiffness import stiffness_under_load
 from ..vibration import dense_matrices, vibration_system
 from ._margin import Margin, Reading, margin_source
 
@@ -48,9 +47,7 @@ def _given_springs(stage: Stage) -> Iterator[tuple[str, Scalar, str]]:
 def _negative_eigenvalues(mechanism: Mechanism, stage: Stage) -> int | None:
     """Number of negative eigenvalues of the stiffness matrix; `None` where data are missing."""
     try:
-        threads = thread_stiffness(
-            stage, lambda: loaded_threads(stage, jnp.abs(load_of(mechanism, None)))
-        )
+        threads = stiffness_under_load(stage, lambda: load_of(mechanism, None))
         matrix = np.asarray(dense_matrices(vibration_system(stage, threads))[0])
     except (MissingDataError, ValueError):
         return None

@@ -10,5 +10,6 @@ from ._threads import (
     axial_stiffness as axial_stiffness,
     in_series as in_series,
     loaded_threads as loaded_threads,
+    stiffness_under_load as stiffness_under_load,
     thread_stiffness as thread_stiffness,
 )

@@ -1,12 +1,10 @@
 """Modal analysis of one stage of a mechanism."""
 
-import jax.numpy as jnp
-
 from ..contact import load_of
 from ..fields import Scalar
 from ..mechanism import Mechanism, of_one_design, stage_at
 from ..programs import one_program, physics
-from ..stiffness import loaded_threads, thread_stiffness
+from ..stiffness import stiffness_under_load
 from ._dense import stage_modes
 from ._modes import Modes
 from .model import VibrationSystem, vibration_system
@@ -53,7 +51,5 @@ def stage_system(
     **Raises:** `MissingDataError` if data are missing; `ValueError` for an unknown stage.
     """
     chosen = stage_at(mechanism, stage)
-    threads = thread_stiffness(
-        chosen, lambda: loaded_threads(chosen, jnp.abs(load_of(mechanism, load)))
-    )
+    threads = stiffness_under_load(chosen, lambda: load_of(mechanism, load))
     return vibration_system(chosen, threads)

@@ -135,3 +135,41 @@ def test_the_place_of_the_largest_stress_under_friction_moves_as_differences_say
     expected = (expected + np.asarray(find(at - 2 * step))) / (12 * step)
     for found in (jax.jit(jax.jacfwd(place))(at), jax.jit(jax.jacrev(place))(at)):
         np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-8)
+
+
+@pytest.mark.parametrize("measure", ["von_mises", "max_shear"])
+def test_second_derivatives_of_the_largest_stress_on_the_axis(measure):
+    """Of value and depth. The maximum moves, which the first derivative does not know."""
+
+    def value(given):
+        one = jnp.ones_like(given[0])
+        found = stress_peak_on_axis(one, given[0], one, given[1], measure)
+        return jnp.stack([found.value, found.depth])
+
+    given, step = jnp.asarray([0.6, 0.3]), 1e-3
+    slope = jax.jit(jax.jacfwd(value))
+    expected = [
+        (8 * (slope(given + s) - slope(given - s)) - slope(given + 2 * s) + slope(given - 2 * s))
+        / (12 * step)
+        for s in step * np.eye(2)
+    ]
+    for second in (jax.jacfwd(jax.jacfwd(value)), jax.hessian(value)):
+        found = np.moveaxis(np.asarray(jax.jit(second)(given)), -1, 0)
+        # Fourth order in the step; the curvature at the maximum is a difference.
+        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-8)
+
+
+def test_second_derivatives_of_the_largest_stress_under_friction():
+    """In space: below a contact that slides, and at its edge, where the point does not move."""
+
+    def value(friction):
+        pulled = jnp.stack([friction, jnp.zeros_like(friction)])
+        axes = jnp.asarray([1.5, 1.0])
+        return stress_peak(axes, jnp.ones_like(friction), jnp.asarray(0.3), pulled).value
+
+    slope, step = jax.jit(jax.grad(value)), 1e-3
+    second = jax.jit(jax.grad(jax.grad(value)))
+    for at in (jnp.asarray(0.1), jnp.asarray(0.6)):
+        expected = 8 * (slope(at + step) - slope(at - step))
+        expected = (expected - slope(at + 2 * step) + slope(at - 2 * step)) / (12 * step)
+        np.testing.assert_allclose(second(at), expected, rtol=1e-6, atol=1e-8)

@@ -70,7 +70,7 @@ def _search(
 ) -> Float[Array, " d"]:
     """Point of the largest value: of `first`, then of ever smaller grids about it; z stays ≥ 0.
 
-    Without derivatives: the envelope theorem does not need derivatives of the position.
+    Without derivatives: these come from the last step of Newton's method.
     """
     first, parameters = jax.lax.stop_gradient((first, parameters))
     several = jax.vmap(lambda point: function(point, *parameters))
@@ -93,33 +93,46 @@ def _moving(
     maximum: Float[Array, " d"],
     spacing: Float[Array, " d"],
     *parameters: Array,
-) -> Float[Array, " d"]:
+) -> tuple[Float[Array, " d"], Scalar]:
     """Newton steps from an approximate maximum; the last one also carries its derivatives.
 
     A step that leaves the last grid belongs to a maximum at the surface or at the edge of the
     contact; there the point is not moved, in units of the semi-axes. On the surface the depth is
     fixed.
+
+    **Returns:** the point, and by how much the last step raises the function: nothing but rounding,
+    with the second derivatives that the function has because its maximum moves.
     """
     constants = jax.lax.stop_gradient(parameters)
     last = jnp.arange(maximum.size) == maximum.size - 1
     fixed = last & ~(maximum[-1] > 0)
+    unity = jnp.eye(maximum.size, dtype=maximum.dtype)
+    middle = unity[-1] / 2
 
-    def step(point, hessian, parameters):
-        gradient = jnp.where(fixed, 0.0, jax.grad(function)(point, *parameters))
-        change = -solve(hessian, gradient)
-        small = jnp.all(jnp.abs(change) <= 2 * spacing * 0.5 ** (_REFINEMENTS - 1))
-        return point + jnp.where(small & jnp.all(jnp.isfinite(change)), change, 0.0)
+    def step(point, hessian, parameters, possible=True):
+        # Where there is no step there need not be a derivative of the gradient either.
+        place = jnp.where(possible, point, middle)
+        gradient = jax.grad(function)(place, *parameters)
+        gradient = jnp.where(possible & ~fixed, gradient, 0.0)
+        return -solve(jnp.where(possible, hessian, -unity), gradient), gradient
+
+    def is_small(change):
+        limit = 2 * spacing * 0.5 ** (_REFINEMENTS - 1)
+        return jnp.all(jnp.isfinite(change)) & jnp.all(jnp.abs(change) <= limit)
 
     def closer(_, carry):
-        point, _ = carry
+        point, _, _ = carry
         hessian = jax.hessian(function)(point, *constants)
-        hessian = jnp.where(fixed[:, None] | fixed[None, :], -jnp.eye(maximum.size), hessian)
-        return step(point, hessian, constants), hessian
+        hessian = jnp.where(fixed[:, None] | fixed[None, :], -unity, hessian)
+        change, _ = step(point, hessian, constants)
+        possible = is_small(change)
+        return point + jnp.where(possible, change, 0.0), hessian, possible
 
     # The second Hessian is taken at the maximum: its inverse gives the derivative of the position.
-    start = (maximum, -jnp.eye(maximum.size, dtype=maximum.dtype))
-    point, hessian = jax.lax.stop_gradient(jax.lax.fori_loop(0, 2, closer, start))
-    return step(point, hessian, parameters)
+    start = (maximum, -unity, jnp.asarray(False))
+    point, hessian, possible = jax.lax.stop_gradient(jax.lax.fori_loop(0, 2, closer, start))
+    change, gradient = step(point, hessian, parameters, possible)
+    return point + change, gradient @ change / 2
 
 
 @physics("stress_peak_on_axis")
@@ -142,7 +155,7 @@ def stress_peak_on_axis(
     - `poisson_ratio`: ν of the body.
     - `measure`: `"von_mises"` or `"max_shear"`.
 
-    **Returns:** a `StressPeak`; differentiable, the value by the envelope theorem.
+    **Returns:** a `StressPeak`, differentiable twice.
 
     **Raises:** `ValueError` for an unknown measure.
     """
@@ -165,8 +178,8 @@ def stress_peak_on_axis(
         return grid[jnp.argmax(several(grid))], width * (2 / (_DEPTHS - 1))
 
     grid_maximum, _ = jax.lax.fori_loop(0, _GRIDS, refine, (one, one))
-    # Newton steps by differences of fourth order, and one that also carries the derivatives: it
-    # needs the curvature at the maximum itself, because the derivative of the depth is inversely
+    # Newton steps by differences of fourth order, before those that carry the derivatives: these
+    # need the curvature at the maximum itself, because the derivative of the depth is inversely
     # proportional to it.
     near = 3e-3 if ratio.dtype == jnp.float64 else 3e-2
     stencil = near * jnp.arange(-2.0, 3.0, dtype=ratio.dtype)
@@ -183,10 +196,15 @@ def stress_peak_on_axis(
     # For Poisson's ratios below about 0 it lies on the surface, where the slope need not be 0.
     below = above_or_nan(grid_maximum, 2 * near)
     top, bend = jnp.where(below, top, grid_maximum), jnp.where(below, bend, jnp.inf)
-    value, slope = jax.jvp(
-        lambda depth: at(depth, ratio, poisson_ratio), (top,), (jnp.ones_like(top),)
-    )
-    depth = (top - slope / bend) * semi_minor
+
+    def value_and_slope(depth: Scalar) -> tuple[Scalar, Scalar]:
+        return jax.jvp(lambda z: at(z, ratio, poisson_ratio), (depth,), (jnp.ones_like(depth),))
+
+    # Slopes are 0 up to rounding. Their derivatives are not, because the maximum moves: the first
+    # step carries the first derivative of the depth, the second one also the second.
+    moved = top - value_and_slope(top)[1] / bend
+    value, slope = value_and_slope(moved)
+    depth = (moved - slope / bend) * semi_minor
     zero = jnp.zeros_like(depth)
     return StressPeak(max_pressure * value, jnp.stack([zero, zero, depth]))
 
@@ -210,8 +228,8 @@ def stress_peak(
     **Arguments:** those of `subsurface_stress`, and the measure: `"von_mises"`, `"max_shear"` or
     `"tension"` (the largest principal stress).
 
-    **Returns:** a `StressPeak`; differentiable, the value by the envelope theorem. A maximum at
-    the edge of the contact moves with the edge.
+    **Returns:** a `StressPeak`; the value is differentiable twice, the position once. A maximum
+    at the edge of the contact moves with the edge.
 
     **Raises:** `ValueError` for an unknown measure.
     """
@@ -238,10 +256,10 @@ def stress_peak(
     first = jnp.stack([direction[0] * along, direction[1] * along, depth], axis=-1)
     spacing = jnp.full((3,), 0.125, ratio.dtype)
     maximum = _search(at, first, spacing, *parameters)
-    moved = _moving(at, maximum, spacing, *parameters)
+    moved, risen = _moving(at, maximum, spacing, *parameters)
     flat = jnp.stack([moved[0] * major, moved[1] * minor])[order]
     position = jnp.concatenate([flat, moved[2:] * minor])
-    value = at(jax.lax.stop_gradient(moved), *parameters)
+    value = at(jax.lax.stop_gradient(moved), *parameters) + risen
     # If the values are NaN, the search still returns a position.
     position = jnp.where(jnp.isnan(value), jnp.nan, position)
     return StressPeak(max_pressure * value, position)

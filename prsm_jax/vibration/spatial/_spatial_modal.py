@@ -1,13 +1,11 @@
 """Modal analysis in space of one stage of a mechanism."""
 
-import jax.numpy as jnp
-
 from ...contact import load_of
 from ...fields import Scalar
 from ...geometry import mesh
 from ...mechanism import Mechanism, of_one_design, stage_at
 from ...programs import one_program, physics
-from ...stiffness import loaded_threads, thread_stiffness
+from ...stiffness import stiffness_under_load
 from ._modes import SpatialModes, spatial_modes
 from ._system import SpatialSystem, spatial_system
 
@@ -35,11 +33,7 @@ def stage_spatial_system(
     """
     chosen = stage_at(mechanism, stage)
     meshing = mesh(chosen.thread)
-    threads = thread_stiffness(
-        chosen,
-        lambda: loaded_threads(chosen, jnp.abs(load_of(mechanism, load)), meshing),
-        tangent=True,
-    )
+    threads = stiffness_under_load(chosen, lambda: load_of(mechanism, load), meshing, tangent=True)
     return spatial_system(
         chosen,
         threads,

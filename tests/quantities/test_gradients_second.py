@@ -1,0 +1,44 @@
+"""Second derivatives of every quantity along a change of all numbers, against differences.
+
+One direction meets all second derivatives that are not numbers: a NaN of any of them is in the sum.
+"""
+
+import numpy as np
+import pytest
+from every_number import OF_AN_AXIS, quantities_of, sizes
+
+#: Relative; differences of first derivatives, which are computed to about 1e-11.
+_AGREE = 1e-5
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [
+        ("wu2022", None),
+        ("li2020_two_stage", None),
+        ("li2020_single_stage_viscous", None),
+        ("ring_roller", None),
+        # Its flanks end, on one side within the contact ellipses.
+        ("actuator", ("dynamic_capacity", "phase_damage", "rating_life", "natural_frequencies")),
+        ("actuator_load_sharing", ("max_pressure_shared", "axial_deflection")),
+        ("actuator_axis", OF_AN_AXIS[:4]),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_second_derivatives_of_quantities(name, wanted):
+    program = quantities_of(name, wanted)
+    rng = np.random.default_rng(11)
+    direction = rng.uniform(-1, 1, len(program.values)) * sizes(program.names, program.values)
+    found = program.second_derivative(direction)
+    assert [label for label, one in zip(program.labels, found, strict=True) if one != one] == []
+    expected, error = program.second_difference(direction)
+    base = np.abs(program(program.values[None])[0][0])
+    apart = np.abs(found - expected) > 5 * error + _AGREE * np.abs(expected) + 1e-9 * base
+    wrong = [
+        f"{program.labels[j]}: {found[j]:.9g}, differences {expected[j]:.9g} ± {error[j]:.1g}"
+        for j in np.flatnonzero(apart)
+    ]
+    assert not wrong
+    # The comparison says something of nearly all of them.
+    blind = error > 1e-3 * np.maximum(np.abs(expected), 1e-6 * base)
+    assert blind.mean() <= 0.1
