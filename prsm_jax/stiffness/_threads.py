@@ -1,7 +1,7 @@
 """Thread contact stiffness of one roller: given, or from contacts that share the load."""
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from typing import Annotated
 
 import jax
@@ -136,7 +136,7 @@ def _given(stage: Stage) -> ThreadStiffness | None:
 
 
 @contextlib.contextmanager
-def _also_by_stiffness() -> Iterator[None]:
+def _also_by_stiffness() -> Generator[None, None, None]:
     """Add to a message on missing data that stiffnesses may be given."""
     try:
         yield

@@ -45,9 +45,7 @@ def _padded(support, mesh, mass, factor):
     return support, mesh, [*mass, roller]
 
 
-# Traced once for all stages and mechanisms; the program is the same.
 @jax.custom_jvp
-@functools.partial(jax.jit, inline=True)
 def arrowhead_modes(
     support: tuple[Scalar, ...],
     mesh: tuple[Scalar, ...],
@@ -70,6 +68,17 @@ def arrowhead_modes(
 
     **Returns:** the modes; eigenvalues are NaN if a stiffness is negative or a mass not positive.
     """
+    return _modes(support, mesh, mass, factor)
+
+
+# Traced once for all stages and mechanisms; the program is the same.
+@functools.partial(jax.jit, inline=True)
+def _modes(
+    support: tuple[Scalar, ...],
+    mesh: tuple[Scalar, ...],
+    mass: tuple[Scalar, ...],
+    factor: Scalar,
+) -> ArrowheadModes:
     count = len(mesh)
     poles = sorted_poles(*_padded(support, mesh, mass, factor), factor)
     roots = secular_roots(poles)
