@@ -18,6 +18,7 @@ contact angle and roller radius of the first stage. **Equations** are those of t
 loop counts once. **Tracing**, **lowering** and **compiling** are processor time; **run** is the
 shortest wall time per design. A program that fails or takes too long has a row with the reason.
 """
+_PLURAL = {"value": "values", "gradient": "gradients", "hessian": "Hessians"}
 _RATIOS = ("equations", "compile_s", "flops", "run_s")
 
 
@@ -82,7 +83,7 @@ def totals(document: dict[str, Any]) -> str:
     ]
     lines = table_of(["programs", "count", "then", "now", "now over then"])
     for words, kinds in (
-        *((f"{kind}s", (kind,)) for kind in KINDS),
+        *((_PLURAL[kind], (kind,)) for kind in KINDS),
         ("all", KINDS),
     ):
         times = [(a, b) for kind, a, b in pairs if kind in kinds]
@@ -107,8 +108,9 @@ def _beside(document: dict[str, Any]) -> list[str]:
     commit = document["beside_commit"]
     head = f"## Against commit {commit}\n"
     words = (
-        "Processor time of tracing, lowering and compiling, both commits at the same time. A\n"
-        "program that either commit does not have is left out.\n"
+        "Processor time of tracing, lowering and compiling, both commits at the same time.\n"
+        "Programs that were not measured in both, or that one of them does not have, are left\n"
+        "out.\n"
     )
     return [head, words, totals(document)]
 

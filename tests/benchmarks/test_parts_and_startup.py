@@ -145,7 +145,7 @@ def test_totals_of_two_commits(tmp_path):
     text = programs_page.totals(document)
     assert "| values | 1 | 8 s | 4 s | 0.50 |" in text
     assert "| gradients | 0 | 0 s | 0 s |  |" in text
-    assert "| hessians | 1 | 9 s | 4 s | 0.50 |" in text
+    assert "| Hessians | 1 | 9 s | 4 s | 0.50 |" in text
     assert "| all | 2 | 16 s | 8 s | 0.50 |" in text
     assert "Not done within their limit, which is counted, then: wu2022 modal hessian 1." in text
     assert "counted, now" not in text
