@@ -1,0 +1,51 @@
+"""Thread stiffness under a load: of either sign, given, and what is said if the load is missing."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import pytest
+from scenes import array, equal_shares, example
+
+import prsm_jax as prsm
+from prsm_jax.stiffness import loaded_threads, stiffness_under_load, thread_stiffness
+
+
+def _under_load(stage, tangent):
+    return eqx.filter_jit(
+        lambda load: stiffness_under_load(stage, lambda: load, tangent=tangent).screw_roller
+    )
+
+
+@pytest.mark.parametrize("tangent", [False, True])
+def test_it_is_that_of_the_loaded_threads_for_either_sign(tangent):
+    (stage,) = example("actuator").stages
+    contacts = loaded_threads(stage, array(7e3))
+    expected = thread_stiffness(stage, lambda: contacts, tangent=tangent).screw_roller
+    run = _under_load(stage, tangent)
+    for load in (7e3, -7e3):
+        assert float(run(array(load))) == pytest.approx(float(expected), rel=1e-13)
+
+
+def test_of_equal_shares_it_grows_with_the_cube_root_of_the_load():
+    """Hertz: F ∝ δ^{3/2}, so the tangent stiffness is 3/2 of the secant one."""
+    (stage,) = equal_shares("actuator").stages
+    secant, tangent = (_under_load(stage, tangent) for tangent in (False, True))
+    one, eight = (float(secant(array(load))) for load in (2e3, -16e3))
+    assert eight == pytest.approx(2 * one, rel=1e-12)
+    assert float(tangent(array(2e3))) == pytest.approx(1.5 * one, rel=1e-12)
+
+
+def test_given_stiffnesses_need_no_load():
+    (stage,) = example("wu2022").stages
+    found = stiffness_under_load(stage, lambda: pytest.fail("the load was asked for"))
+    assert stage.stiffness is not None
+    assert jnp.array_equal(found.screw_roller, stage.stiffness.screw_roller)
+    assert jnp.array_equal(found.nut_roller, stage.stiffness.nut_roller)
+
+
+@pytest.mark.parametrize("verb", [prsm.modal, prsm.spatial_modal])
+def test_a_missing_load_is_named_with_both_remedies(verb):
+    unloaded = eqx.tree_at(lambda m: m.operating_point, example("actuator"), None)
+    with pytest.raises(prsm.MissingDataError, match="pass load=") as caught:
+        verb(unloaded)
+    assert str(caught.value).startswith("thread contact stiffness: ")
+    assert "give stage.stiffness.screw_roller and stage.stiffness.nut_roller" in str(caught.value)
