@@ -55,13 +55,15 @@ def measured(
     - `tree`: folder of another checkout, whose package is measured.
 
     **Returns:** what the worker measured. What went wrong is the row's `error`; a program that
-    took too long has its `limit_s`, too.
+    took more processor time has its `limit_s`, too.
     """
     row = {"example": example, "function": name, "kind": kind, "batch": batch, **_EMPTY}
     words = [example, name, kind, str(batch), "--limit", str(limit)]
     words += ["--tree", str(tree.resolve())] if tree else []
     done = run_worker("programs.worker", words, _WAITING * limit)
-    if done is None or done.returncode == -signal.SIGXCPU:
+    if done is None:
+        return {**row, "error": f"not done in {_WAITING * limit:g} s on the clock"}
+    if hasattr(signal, "SIGXCPU") and done.returncode == -signal.SIGXCPU:
         return {**row, "error": f"not done in {limit:g} s", "limit_s": limit}
     if done.returncode:
         return {**row, "error": f"ended with status {done.returncode}"}
@@ -104,7 +106,11 @@ def main(argv: list[str] | None = None) -> int:
     if given.beside is not None:
         trees["beside"] = given.beside
     document: dict[str, Any] = read_json(path) if given.add and path.exists() else {}
-    rows = {key: {_key(r): r for r in document.get(key, [])} for key in trees}
+    if given.beside is not None:
+        commit = _commit(given.beside)
+        if document.get("beside_commit") != commit:
+            document |= {"beside_commit": commit, "beside": []}
+    rows = {key: {_key(r): r for r in document.get(key, [])} for key in ("programs", "beside")}
     for program in _chosen(given):
         with ThreadPoolExecutor(len(trees)) as at_once:
             runs = {
@@ -115,12 +121,13 @@ def main(argv: list[str] | None = None) -> int:
             row = run.result()
             rows[key][_key(row)] = row
             print(key, *program, row["compile_s"], row["error"], flush=True)
+        if given.beside is None:
+            # Not measured at the same time any more.
+            rows["beside"].pop(_key(row), None)
         document |= of_this_run(1) | {k: [r[key] for key in sorted(r)] for k, r in rows.items()}
-        if given.beside is not None:
-            document["beside_commit"] = _commit(given.beside)
         write_json(path, document)
     print(tables(document["programs"]))
-    if "beside" in document:
+    if document["beside"]:
         print(totals(document))
     if given.against is not None:
         print(compared(document, read_json(given.against)))

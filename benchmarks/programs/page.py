@@ -74,27 +74,19 @@ def totals(document: dict[str, Any]) -> str:
     - `document`: what `programs.json` has after a run with `--beside`.
     """
     here, there = ({_name_of(r): r for r in document[k]} for k in ("programs", "beside"))
-    pairs = [
-        (kind, a, b)
-        for name in here.keys() & there.keys()
-        for kind in (here[name]["kind"],)
-        for a, b in ((_processor_s(here[name]), _processor_s(there[name])),)
-        if a is not None and b is not None
-    ]
+    now, then = ({name: _processor_s(r) for name, r in rows.items()} for rows in (here, there))
+    both = [n for n in here if now[n] is not None and then.get(n) is not None]
     lines = table_of(["programs", "count", "then", "now", "now over then"])
-    for words, kinds in (
-        *((_PLURAL[kind], (kind,)) for kind in KINDS),
-        ("all", KINDS),
-    ):
-        times = [(a, b) for kind, a, b in pairs if kind in kinds]
-        now, then = (sum(column) for column in zip(*times, strict=True)) if times else (0.0, 0.0)
-        ratio = f"{now / then:.2f}" if then else ""
-        lines.append(row_of([words, str(len(times)), f"{then:.0f} s", f"{now:.0f} s", ratio]))
+    for words, kinds in (*((_PLURAL[kind], (kind,)) for kind in KINDS), ("all", KINDS)):
+        names = [name for name in both if here[name]["kind"] in kinds]
+        before, after = (sum(times[n] or 0.0 for n in names) for times in (then, now))
+        ratio = f"{after / before:.2f}" if before else ""
+        lines.append(row_of([words, str(len(names)), f"{before:.0f} s", f"{after:.0f} s", ratio]))
     for words, rows in (("then", there), ("now", here)):
         late = [" ".join(map(str, n)) for n, r in rows.items() if "limit_s" in r]
         if late:
-            lines += ["", f"Not done within their limit, which is counted, {words}: "]
-            lines[-1] += f"{', '.join(late)}."
+            programs = ", ".join(late)
+            lines += ["", f"Not done within their limit, which is counted, {words}: {programs}."]
     return "\n".join([*lines, ""])
 
 
@@ -103,7 +95,7 @@ def _name_of(row: dict[str, Any]) -> tuple[Any, ...]:
 
 
 def _beside(document: dict[str, Any]) -> list[str]:
-    if "beside" not in document:
+    if not document.get("beside"):
         return []
     commit = document["beside_commit"]
     head = f"## Against commit {commit}\n"

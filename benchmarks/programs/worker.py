@@ -5,6 +5,7 @@ Prints one JSON object.
 
 import argparse
 import json
+import math
 import sys
 import time
 from pathlib import Path
@@ -59,7 +60,7 @@ def _end_after(seconds: float) -> None:
         import resource
     except ImportError:
         return
-    limit = round(seconds)
+    limit = math.ceil(seconds)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
 

@@ -8,7 +8,7 @@ import pytest
 import prsm_jax as prsm
 from benchmarks.parts import page as parts_page
 from benchmarks.parts.command import main as parts
-from benchmarks.programs import page as programs_page
+from benchmarks.programs import command as programs_command, page as programs_page
 from benchmarks.programs.command import measured
 from benchmarks.programs.functions import VARIABLES, program
 from benchmarks.startup import page as startup_page
@@ -152,6 +152,31 @@ def test_totals_of_two_commits(tmp_path):
     page = programs_page.write_page(document, tmp_path).read_text()
     assert "## Against commit abc" in page
     assert text in page
+
+
+def test_rows_of_two_commits_are_of_one_run(monkeypatch, tmp_path):
+    """A row measured alone has none beside it, and rows beside are of one commit."""
+
+    def row(*program):
+        return _row(**dict(zip(("example", "function", "kind", "batch"), program, strict=False)))
+
+    monkeypatch.setattr(programs_command, "measured", lambda *a: row(*a[:4]))
+    commits = iter(("first", "second"))
+    monkeypatch.setattr(programs_command, "_commit", lambda tree: next(commits))
+    common = ["--examples", "wu2022", "--batches", "1", "--add", "--out", str(tmp_path)]
+
+    def beside(*words):
+        assert programs_command.main([*words, *common]) == 0
+        document = json.loads((tmp_path / "programs.json").read_text())
+        rows = [(r["function"], r["kind"]) for r in document["beside"]]
+        return document.get("beside_commit"), rows
+
+    kinds = ("value", "gradient", "hessian")
+    first = [("modal", kind) for kind in kinds]
+    assert beside("modal", "--beside", "then") == ("first", first)
+    assert beside("modal", "--kinds", "value") == ("first", first[1:])
+    second = [("steady_state", kind) for kind in kinds]
+    assert beside("steady_state", "--beside", "then") == ("second", second)
 
 
 def test_a_program_that_takes_too_long_and_one_of_another_tree(tmp_path):

@@ -139,24 +139,29 @@ def test_the_place_of_the_largest_stress_under_friction_moves_as_differences_say
 
 @pytest.mark.parametrize("measure", ["von_mises", "max_shear"])
 def test_second_derivatives_of_the_largest_stress_on_the_axis(measure):
-    """Of value and depth. The maximum moves, which the first derivative does not know."""
+    """Of value and depth, below the surface and on it (ν −0.9).
+
+    The maximum moves, which the first derivative of the value does not show.
+    """
 
     def value(given):
         one = jnp.ones_like(given[0])
         found = stress_peak_on_axis(one, given[0], one, given[1], measure)
         return jnp.stack([found.value, found.depth])
 
-    given, step = jnp.asarray([0.6, 0.3]), 1e-3
-    slope = jax.jit(jax.jacfwd(value))
-    expected = [
-        (8 * (slope(given + s) - slope(given - s)) - slope(given + 2 * s) + slope(given - 2 * s))
-        / (12 * step)
-        for s in step * np.eye(2)
-    ]
-    for second in (jax.jacfwd(jax.jacfwd(value)), jax.hessian(value)):
-        found = np.moveaxis(np.asarray(jax.jit(second)(given)), -1, 0)
-        # Fourth order in the step; the curvature at the maximum is a difference.
-        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-8)
+    slope, step = jax.jit(jax.jacfwd(value)), 1e-3
+    second = [jax.jit(jax.jacfwd(jax.jacfwd(value))), jax.jit(jax.hessian(value))]
+    for given in (jnp.asarray([0.6, 0.3]), jnp.asarray([0.6, -0.9])):
+        expected = [
+            8 * (slope(given + s) - slope(given - s)) - slope(given + 2 * s) + slope(given - 2 * s)
+            for s in step * np.eye(2)
+        ]
+        for one in second:
+            found = np.moveaxis(np.asarray(one(given)), -1, 0)
+            # Fourth order in the step; the curvature at the maximum is a difference.
+            np.testing.assert_allclose(
+                found, np.asarray(expected) / (12 * step), rtol=1e-8, atol=1e-9
+            )
 
 
 def test_second_derivatives_of_the_largest_stress_under_friction():
@@ -172,4 +177,4 @@ def test_second_derivatives_of_the_largest_stress_under_friction():
     for at in (jnp.asarray(0.1), jnp.asarray(0.6)):
         expected = 8 * (slope(at + step) - slope(at - step))
         expected = (expected - slope(at + 2 * step) + slope(at - 2 * step)) / (12 * step)
-        np.testing.assert_allclose(second(at), expected, rtol=1e-6, atol=1e-8)
+        np.testing.assert_allclose(second(at), expected, rtol=1e-7)

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from every_number import OF_AN_AXIS, quantities_of, sizes
 
-#: Relative; differences of first derivatives, which are computed to about 1e-11.
-_AGREE = 1e-5
+#: Relative, of a second derivative and of its quantity, beyond what differences know of their own
+#: error; 3e-11 and 2e-12 are reached.
+_AGREE, _OF_VALUE = 1e-9, 1e-10
 
 
 @pytest.mark.parametrize(
@@ -33,12 +34,12 @@ def test_second_derivatives_of_quantities(name, wanted):
     assert [label for label, one in zip(program.labels, found, strict=True) if one != one] == []
     expected, error = program.second_difference(direction)
     base = np.abs(program(program.values[None])[0][0])
-    apart = np.abs(found - expected) > 5 * error + _AGREE * np.abs(expected) + 1e-9 * base
+    apart = np.abs(found - expected) > 5 * error + _AGREE * np.abs(expected) + _OF_VALUE * base
     wrong = [
         f"{program.labels[j]}: {found[j]:.9g}, differences {expected[j]:.9g} ± {error[j]:.1g}"
         for j in np.flatnonzero(apart)
     ]
     assert not wrong
-    # The comparison says something of nearly all of them.
+    # Differences are good to a thousandth, but for one of infinite quantities in 74.
     blind = error > 1e-3 * np.maximum(np.abs(expected), 1e-6 * base)
-    assert blind.mean() <= 0.1
+    assert blind.mean() <= 0.02

@@ -100,8 +100,8 @@ def _moving(
     contact; there the point is not moved, in units of the semi-axes. On the surface the depth is
     fixed.
 
-    **Returns:** the point, and by how much the last step raises the function: nothing but rounding,
-    with the second derivatives that the function has because its maximum moves.
+    **Returns:** the point, and the rise of the function in the last step: 0 up to rounding, but its
+    second derivatives are what the motion of the maximum adds to those of the largest value.
     """
     constants = jax.lax.stop_gradient(parameters)
     last = jnp.arange(maximum.size) == maximum.size - 1
