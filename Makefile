@@ -59,11 +59,20 @@ test: CHOICE := not slow
 slow: CHOICE := slow
 # Not of slow tests: their workers come near the memory that they may take.
 test: PRELOAD := $(if $(ALLOCATOR),LD_PRELOAD=$(ALLOCATOR))
+# A worker keeps some memory of all programs that it compiled: several sessions of slow tests.
+test: PARTS := 1/1
+slow: PARTS := $(if $(ROOM),1/1,1/4 2/4 3/4 4/4)
 test slow: $(TEST_STAMP)
-	files=$$($(BIN)/python -m tests.of_room $(ROOM)) && \
+	@failed=0; \
+	for part in $(PARTS); do \
+	  files=$$($(BIN)/python -m tests.of_room --part $$part $(ROOM)) || exit 2; \
+	  echo "$@: part $$part: $$files"; \
 	  env -u PYTHONDONTWRITEBYTECODE $(PRELOAD) \
-	  $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "$(CHOICE)" $$files || \
-	  { status=$$?; test -n "$(ROOM)" -a $$status -eq 5 && echo "ROOM=$(ROOM): no such tests"; }
+	    $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "$(CHOICE)" $$files || \
+	    { status=$$?; test -n "$(ROOM)" -a $$status -eq 5 && echo "ROOM=$(ROOM): no such tests"; } || \
+	    failed=$$status; \
+	done; \
+	exit $$failed
 
 # A package of Debian's; without it the tests are the same, and slower.
 allocator:

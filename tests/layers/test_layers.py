@@ -15,7 +15,7 @@ import pytest
 import prsm_jax
 from tests.layers.architecture import PAGE, page, used_rooms
 from tests.layers.room_order import GROUND, LAYERS, order
-from tests.of_room import files_of
+from tests.of_room import files_of, folders_of_part
 
 ROOT = Path(prsm_jax.__file__).parent
 #: Not imported with the package, but where they are used.
@@ -335,3 +335,17 @@ def test_every_room_has_tests_of_its_own(room):
 def test_a_room_that_there_is_not_is_refused():
     with pytest.raises(ValueError, match="ROOM is 'attic'; choose one of numerics, "):
         files_of("attic")
+
+
+@pytest.mark.parametrize("parts", [1, 3, 4])
+def test_every_folder_of_tests_is_in_one_part(parts):
+    tests = Path(__file__).parents[1]
+    expected = sorted(
+        {f"tests/{path.relative_to(tests).parts[0]}" for path in tests.rglob("test_*.py")}
+    )
+    found = [folders_of_part(part, parts) for part in range(1, parts + 1)]
+    assert [folder for part in found for folder in part] == expected
+    slow = (tests / "slow.txt").read_text(encoding="utf-8").splitlines()
+    counts = [sum("/".join(one.split("/")[:2]) in part for one in slow) for part in found]
+    assert sum(counts) == len(slow)
+    assert max(counts) < 1.5 * len(slow) / parts

@@ -138,6 +138,7 @@ def test_the_place_of_the_largest_stress_under_friction_moves_as_differences_say
 
 
 @pytest.mark.parametrize("measure", ["von_mises", "max_shear"])
+@pytest.mark.usefixtures("memory_for_large_programs")
 def test_second_derivatives_of_the_largest_stress_on_the_axis(measure):
     """Of value and depth, below the surface and on it (ν −0.9).
 

@@ -26,6 +26,7 @@ _AGREE, _OF_VALUE = 1e-9, 1e-10
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
+@pytest.mark.usefixtures("memory_for_large_programs")
 def test_second_derivatives_of_quantities(name, wanted):
     program = quantities_of(name, wanted)
     rng = np.random.default_rng(11)

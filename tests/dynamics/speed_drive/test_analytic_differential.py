@@ -140,6 +140,7 @@ def test_travel_and_power_of_the_load_follow_the_carriers():
 
 
 @pytest.mark.parametrize("load", [LOAD, -LOAD])
+@pytest.mark.usefixtures("memory_for_large_programs")
 def test_losses_inside_the_ellipses_and_both_flanks(load):
     """Spin makes the forces depend on the normal force otherwise than in proportion."""
     (stage,) = _one().stages

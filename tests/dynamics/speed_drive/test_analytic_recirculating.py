@@ -173,6 +173,7 @@ def test_a_screw_that_jams_says_so():
         assert steady_state(one, MEAN, LOAD).result_name == name
 
 
+@pytest.mark.usefixtures("memory_for_large_programs")
 def test_derivatives_are_central_differences():
     (stage,) = _one().stages
 

@@ -153,6 +153,7 @@ def _compare(quasi_steady, rtol):
     return jax.jit(jax.grad(weighted("both")))(point), slopes
 
 
+@pytest.mark.usefixtures("memory_for_large_programs")
 def test_torque_driven_carriers_through_events():
     """Forward and reverse through sticking, breaking away and a reversal, against differences.
 

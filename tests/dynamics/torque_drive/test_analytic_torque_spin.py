@@ -48,6 +48,7 @@ def _found():
     return run(one(), scenario())
 
 
+@pytest.mark.usefixtures("memory_for_large_programs")
 def test_against_scipy():
     """Sticks, breaks away, reverses and sticks; screw, carrier and the times of the events."""
     found = _found()
@@ -92,6 +93,7 @@ def test_the_reference_is_the_integral_over_the_ellipse():
     assert errors[2] < 1e-10
 
 
+@pytest.mark.usefixtures("memory_for_large_programs")
 def test_two_stages_of_which_one_coasts_through_a_reversal():
     """Light rollers stop with the screw; heavy ones turn on, against a screw that has reversed.
 
