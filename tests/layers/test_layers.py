@@ -344,6 +344,7 @@ def test_every_folder_of_tests_is_in_one_part(parts):
         {f"tests/{path.relative_to(tests).parts[0]}" for path in tests.rglob("test_*.py")}
     )
     found = [folders_of_part(part, parts) for part in range(1, parts + 1)]
+    assert all(found)
     assert [folder for part in found for folder in part] == expected
     slow = (tests / "slow.txt").read_text(encoding="utf-8").splitlines()
     counts = [sum("/".join(one.split("/")[:2]) in part for one in slow) for part in found]
