@@ -39,6 +39,7 @@ from ._thread_contact import (
 from ._truncation import (
     Onsets as Onsets,
     half_extent as half_extent,
+    half_extents as half_extents,
     load_beyond as load_beyond,
     onset_pressures as onset_pressures,
     pressure_ratio as pressure_ratio,

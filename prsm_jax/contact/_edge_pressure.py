@@ -27,7 +27,7 @@ from ..fields import Scalar
 from ..geometry import FlankEnd, RelativeCurvature, Way
 from ..numerics import root_above_one
 from ..programs import physics
-from ._truncation import Onsets, half_extent, onset_pressure, pressure_ratio
+from ._truncation import Onsets, half_extents, pressure_ratio
 from .hertz import HertzContact
 
 Real = Float[Array, "*batch"]
@@ -72,19 +72,16 @@ def rounded_edges(
     - `modulus`: contact modulus E* [Pa].
     - `edge_radius`: ρ [m].
     """
-    edges = []
-    for end in ends:
-        if end.kind == "crest":
-            extent = half_extent(hertz, curvature, end)
-            edges.append(
-                RoundedEdge(
-                    onset_pressure(hertz, curvature, end),
-                    modulus * extent / (hertz.max_pressure * edge_radius),
-                    hertz.semi_major * hertz.semi_minor / extent**2,
-                    end.way,
-                )
-            )
-    return tuple(edges)
+    crests = [end for end in ends if end.kind == "crest"]
+    return tuple(
+        RoundedEdge(
+            end.distance * hertz.max_pressure / extent,
+            modulus * extent / (hertz.max_pressure * edge_radius),
+            hertz.semi_major * hertz.semi_minor / extent**2,
+            end.way,
+        )
+        for end, extent in zip(crests, half_extents(hertz, curvature, crests), strict=True)
+    )
 
 
 def _beyond(pressure: Real, onset: Scalar) -> tuple[Bool[Array, "*batch"], Real]:

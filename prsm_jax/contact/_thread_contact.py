@@ -11,6 +11,7 @@ from .._errors import MissingDataError
 from ..fields import In, Scalar
 from ..geometry import Meshing, mesh
 from ..mechanism import Stage, material_of
+from ..numerics import apart
 from ..results import Result
 from ._conventions import ContactFrame, contact_frames
 from .hertz import HertzContact, HertzMethod, contact_modulus, hertz_contact
@@ -60,10 +61,12 @@ def engaged_threads(stage: Stage) -> Scalar:
 def _hertz_of(stage: Stage, method: HertzMethod | None = None) -> Callable[..., HertzContact]:
     """`hertz_contact` by the method of a stage, or by another one in its place.
 
-    All thread contacts of the package are computed by this function.
+    All thread contacts of the package are computed by this function. It is a separate part of a
+    program: four numbers enter and six leave, and XLA would fuse its 60 operations and those of
+    their derivatives with all that uses them.
     """
     chosen = stage.contact_method if method is None else method
-    return functools.partial(hertz_contact, method=chosen)
+    return apart(functools.partial(hertz_contact, method=chosen), whole=True)
 
 
 def side_contact(

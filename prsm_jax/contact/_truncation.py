@@ -17,6 +17,7 @@ finite value, and at a rounded edge it depends on the rounding (`docs/strength.m
 
 import functools
 import math
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import jax
@@ -45,41 +46,38 @@ _FAR = 1e3
 _HALF_INTEGRAL = 63 * math.pi / 512
 
 
-def half_extent(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd) -> Scalar:
-    """Half the extent of a contact ellipse towards an end, √(nᵀ M n) [m].
+def half_extents(
+    hertz: HertzContact, curvature: RelativeCurvature, ends: Sequence[FlankEnd]
+) -> list[Scalar]:
+    """Halves of the extent of a contact ellipse towards ends of its flanks, √(nᵀ M n) [m].
 
     With c the gap's coefficient in the direction n,
-    `s² = (a² + b²)/2 − (a² − b²)/(B − A) (c − (A + B)/2)`, regular at the circle.
+    `s² = (a² + b²)/2 − (a² − b²)/(B − A) (c − (A + B)/2)`, regular at the circle. Only c differs
+    between the ends of a flank.
 
     **Arguments:**
 
     - `hertz`, `curvature`: the contact under a load, and the curvatures of its gap.
-    - `end`: the end; without a coefficient it lies across the rolling direction.
+    - `ends`: the ends; one without a coefficient lies across the rolling direction.
     """
     total, squared = curvature.total, curvature.difference_squared
-    coefficient = total - curvature.rolling if end.coefficient is None else end.coefficient
     major, minor = hertz.semi_major, hertz.semi_minor
     elongated = squared > (_CIRCULAR * total) ** 2
     difference = jnp.sqrt(jnp.where(elongated, squared, 1.0))
     rate = jnp.where(
         elongated, (major - minor) * (major + minor) / difference, 8 / 3 * major**2 / total
     )
+    mean = (major**2 + minor**2) / 2
+    coefficients = [
+        total - curvature.rolling if end.coefficient is None else end.coefficient for end in ends
+    ]
     # Between b² and a², up to rounding.
-    return root_or_zero((major**2 + minor**2) / 2 - rate * (coefficient - total / 2))
+    return [root_or_zero(mean - rate * (one - total / 2)) for one in coefficients]
 
 
-def onset_pressure(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd) -> Scalar:
-    """Hertz pressure at which the ellipse reaches an end [Pa].
-
-    Semi-axes and pressure are both proportional to the cube root of the load, so any load will do.
-
-    **Arguments:**
-
-    - `hertz`: the contact under some load above 0.
-    - `curvature`: of its gap.
-    - `end`: the end.
-    """
-    return end.distance * hertz.max_pressure / half_extent(hertz, curvature, end)
+def half_extent(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd) -> Scalar:
+    """Half the extent of a contact ellipse towards one end, as `half_extents` [m]."""
+    return half_extents(hertz, curvature, (end,))[0]
 
 
 @physics("truncation")
@@ -95,8 +93,9 @@ def onset_pressures(
     - `ends`: the ends of its flanks.
     """
     ways: dict[str, Scalar] = {}
-    for end in ends:
-        onset = onset_pressure(hertz, curvature, end)
+    # Semi-axes and pressure are both proportional to the cube root of the load.
+    for end, extent in zip(ends, half_extents(hertz, curvature, ends), strict=True):
+        onset = end.distance * hertz.max_pressure / extent
         ways[end.way] = jnp.minimum(ways[end.way], onset) if end.way in ways else onset
     return tuple(ways.values())
 

@@ -33,8 +33,23 @@ def onsets_of(analysis: Analysis, index: int):
     return analysis.once(("onsets", index), make)
 
 
+def _onset(analysis: Analysis, index: int, side: str):
+    onsets = onsets_of(analysis, index)
+    return None if onsets is None else onsets[("screw", "nut").index(side)]
+
+
 def truncated_pressure(analysis: Analysis, index: int, side: str, hertz: Scalar) -> Scalar:
     """Largest pressure on the `"screw"` or `"nut"` side of a stage, from that of Hertz [Pa]."""
-    onsets = onsets_of(analysis, index)
-    onset = None if onsets is None else onsets[("screw", "nut").index(side)]
-    return strength.truncated_pressure(onset, hertz)
+    return strength.truncated_pressure(_onset(analysis, index, side), hertz)
+
+
+def equal_pressure(analysis: Analysis, index: int, side: str) -> Scalar:
+    """As `truncated_pressure`, if all threads share the load at the operating point equally [Pa].
+
+    Where a flank ends, from the contact under the reference load, which its ends need anyway:
+    another contact under the load itself would add a fifth to the program of a second derivative.
+    """
+    onset = _onset(analysis, index, side)
+    if onset is None:
+        return getattr(analysis.contacts[index], side).hertz.max_pressure
+    return strength.truncated_pressure(onset, onset.pressure(analysis.load))

@@ -10,7 +10,7 @@ from ..contact import (
     StageContact,
     contact_modulus,
     edge_ratio,
-    half_extent,
+    half_extents,
     largest_pressure,
     opposite_onset,
     rounded_edges,
@@ -145,10 +145,15 @@ def end_reaches(
         EndReach(
             side.name,
             end,
-            per_share * half_extent(side.contact.hertz, side.frame.curvature, end),
+            per_share * extent,
             per_share * side.contact.hertz.max_pressure,
             *edge,
         )
         for side, known in zip(sides, edges, strict=True)
-        for end, edge in zip(side.ends, known, strict=True)
+        for end, extent, edge in zip(
+            side.ends,
+            half_extents(side.contact.hertz, side.frame.curvature, side.ends),
+            known,
+            strict=True,
+        )
     )

@@ -25,7 +25,7 @@ from ..contact import (
 from ..fields import Scalar
 from ..geometry import FlankEnd, Meshing, flank_ends, flanks_end
 from ..mechanism import Stage
-from ..numerics import find_root_of
+from ..numerics import apart, find_root_of
 from ._contacts import REFERENCE_LOAD, known_contact, thread_share
 from ._powers import positive_power
 
@@ -74,7 +74,7 @@ def flank_sides(
     """
     meshing, contact = known_contact(stage, meshing, contact)
     frames = contact_frames(stage.thread, meshing, stage.curvature)
-    ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
+    ends = apart(flank_ends, whole=True)(stage, meshing if stage.curvature == "exact" else None)
     return (
         FlankSide("screw", contact.screw, frames[0], ends[0]),
         FlankSide("nut", contact.nut, frames[1], ends[1]),
@@ -100,7 +100,7 @@ def side_onsets(
     onsets = [
         SideOnset(
             side.contact.hertz.max_pressure,
-            onset_pressures(side.contact.hertz, side.frame.curvature, side.ends),
+            apart(onset_pressures)(side.contact.hertz, side.frame.curvature, side.ends),
         )
         if side.ends
         else None
@@ -186,7 +186,9 @@ def truncated_pressure(
     - `side`: where its flanks end; `None` if they do not.
     - `pressure`: Hertz pressure of the full ellipse under the same load [Pa].
     """
-    return pressure if side is None else pressure * pressure_ratio(pressure, side.onsets)
+    if side is None:
+        return pressure
+    return pressure * apart(pressure_ratio, whole=True)(pressure, side.onsets)
 
 
 def load_at_pressure(side: SideOnset | None, reference: Scalar, pressure: Scalar) -> Scalar:
@@ -217,7 +219,7 @@ def load_of_whole_ellipse(
     """
     if side is None:
         return load
-    return load * pressure_ratio(side.pressure(load), side.onsets) ** 3
+    return load * apart(pressure_ratio, whole=True)(side.pressure(load), side.onsets) ** 3
 
 
 class ThreadShares(eqx.Module):

@@ -7,17 +7,13 @@ import jax.numpy as jnp
 
 from .._analysis import Analysis
 from .._catalogue import quantity
-from .._onsets import truncated_pressure
+from .._onsets import equal_pressure
 
 
 def _pressure(analysis: Analysis, side: str):
     """Largest pressures of one side, above Hertz's if the end of a flank cuts the ellipse."""
-    return jnp.stack(
-        [
-            truncated_pressure(analysis, i, side, getattr(c, side).hertz.max_pressure)
-            for i, c in enumerate(analysis.contacts)
-        ]
-    )
+    stages = range(len(analysis.mechanism.stages))
+    return jnp.stack([equal_pressure(analysis, index, side) for index in stages])
 
 
 @quantity(
