@@ -68,11 +68,16 @@ def half_extents(
         elongated, (major - minor) * (major + minor) / difference, 8 / 3 * major**2 / total
     )
     mean = (major**2 + minor**2) / 2
-    coefficients = [
-        total - curvature.rolling if end.coefficient is None else end.coefficient for end in ends
-    ]
-    # Between b² and a², up to rounding.
-    return [root_or_zero(mean - rate * (one - total / 2)) for one in coefficients]
+    # Crest and root of a body lie in one direction, and have the same coefficient.
+    known: dict[int, Scalar] = {}
+    for end in ends:
+        if id(end.coefficient) not in known:
+            across = total - curvature.rolling
+            coefficient = across if end.coefficient is None else end.coefficient
+            # Between b² and a², up to rounding.
+            extent = root_or_zero(mean - rate * (coefficient - total / 2))
+            known[id(end.coefficient)] = extent
+    return [known[id(end.coefficient)] for end in ends]
 
 
 def half_extent(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd) -> Scalar:

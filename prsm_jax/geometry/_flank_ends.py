@@ -87,27 +87,31 @@ def _from_contact(
     x, y, z = contact.normal_parts
     # Curvatures are given about the normal of the screw side; the nut's points the other way.
     z = z if side == "screw" else -z
-    level_squared = x**2 + y**2
+    # Of each body: radius of the contact, growth of the radius per length, coefficient.
+    steepest: dict[str, tuple[Scalar, Scalar, Scalar]] = {}
     seen = []
     for end in ends:
-        if end.body == "roller":
-            radius, angle = contact.roller_contact_radius, contact.roller_angle_position
-            # About the roller axis, from which x points to the screw axis. An outside contact lies
-            # on the other side of it; the sense of the direction has no effect.
-            radial = -jnp.cos(angle), -jnp.sin(angle) if outside else jnp.sin(angle)
-        else:
-            radius, angle = contact.contact_radius, contact.contact_angle_position
-            radial = jnp.cos(angle), jnp.sin(angle)
-        radial_normal = radial[0] * x + radial[1] * y
-        # Squared increase of the radius per length, along the steepest direction of the plane.
-        rate_squared = 1 - radial_normal**2
-        radial_distance = end.radius - radius
+        if end.body not in steepest:
+            if end.body == "roller":
+                radius, angle = contact.roller_contact_radius, contact.roller_angle_position
+                # About the roller axis, from which x points to the screw axis. An outside contact
+                # lies on the other side of it; the sense of the direction has no effect.
+                radial = -jnp.cos(angle), -jnp.sin(angle) if outside else jnp.sin(angle)
+            else:
+                radius, angle = contact.contact_radius, contact.contact_angle_position
+                radial = jnp.cos(angle), jnp.sin(angle)
+            radial_normal = radial[0] * x + radial[1] * y
+            # The steepest direction of the plane, by its parts; the sum of their squares is not 1.
+            rolling, across = radial[1] * x - radial[0] * y, -z * radial_normal
+            coefficient = direction_coefficient(contact.curvature, rolling, across)
+            steepest[end.body] = (
+                radius,
+                jnp.sqrt(1 - radial_normal**2),
+                coefficient / (rolling**2 + across**2),
+            )
+        radius, rate, coefficient = steepest[end.body]
         outer = (end.kind == "crest") != (end.body == "nut")
-        distance = (radial_distance if outer else -radial_distance) / jnp.sqrt(rate_squared)
-        # That direction, times the root of the product of both squares, by its parts.
-        rolling, across = radial[1] * x - radial[0] * y, -z * radial_normal
-        coefficient = direction_coefficient(contact.curvature, rolling, across)
-        seen.append((distance, coefficient / (rate_squared * level_squared)))
+        seen.append(((end.radius - radius if outer else radius - end.radius) / rate, coefficient))
     return seen
 
 

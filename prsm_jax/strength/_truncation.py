@@ -74,7 +74,7 @@ def flank_sides(
     """
     meshing, contact = known_contact(stage, meshing, contact)
     frames = contact_frames(stage.thread, meshing, stage.curvature)
-    ends = apart(flank_ends, whole=True)(stage, meshing if stage.curvature == "exact" else None)
+    ends = flank_ends(stage, meshing if stage.curvature == "exact" else None)
     return (
         FlankSide("screw", contact.screw, frames[0], ends[0]),
         FlankSide("nut", contact.nut, frames[1], ends[1]),
@@ -97,16 +97,26 @@ def side_onsets(
     """
     if not flanks_end(stage):
         return None
-    onsets = [
-        SideOnset(
-            side.contact.hertz.max_pressure,
-            apart(onset_pressures)(side.contact.hertz, side.frame.curvature, side.ends),
+    meshing, contact = known_contact(stage, meshing, contact)
+    screw, nut = (
+        None if onsets is None else SideOnset(side.hertz.max_pressure, onsets)
+        for side, onsets in zip(
+            (contact.screw, contact.nut),
+            apart(_flank_onsets, whole=True)(stage, meshing, contact),
+            strict=True,
         )
-        if side.ends
-        else None
+    )
+    return screw, nut
+
+
+def _flank_onsets(
+    stage: Stage, meshing: Meshing | None, contact: StageContact
+) -> tuple[Onsets | None, ...]:
+    """Onsets of both sides, a separate part of a program: at most four numbers leave it."""
+    return tuple(
+        onset_pressures(side.contact.hertz, side.frame.curvature, side.ends) if side.ends else None
         for side in flank_sides(stage, meshing, contact)
-    ]
-    return onsets[0], onsets[1]
+    )
 
 
 def known_sides(
