@@ -4,19 +4,23 @@ Everything is summed up thread by thread and lamina by lamina, with quadrature a
 of the package only whole ellipses, distances of the ends and how threads share are used.
 """
 
+import dataclasses
 import functools
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from laminae import lamina_risk, pressure_ratio_by_bisection, sides_of
+from scenes import array, example, stage_contact
 from truncation_scenes import NUT_LENGTH, screw_of_30_mm, without_addenda
 
 import prsm_jax as prsm
 from prsm_jax import strength
-from prsm_jax.contact import half_extent
+from prsm_jax.contact import half_extent, half_extents
 from prsm_jax.mechanism import AxialPlay, DutyCycle, LoadSharing, SplitNut, Strength
+from prsm_jax.quantities import Analysis, find_quantity
 from tests.roots import root_between
 
 _PERMISSIBLE, _FACTOR, _LEAD = 4.2e9, 1.1, 3e-3
@@ -277,3 +281,56 @@ def test_each_load_is_shared_as_its_own_size_makes_it():
         shares.append(max(side.max() for side in sides) / load)
     assert abs(shares[1] / shares[0] - 1) > 1e-3
     assert float(found[names[0]][0]) > 0.01
+
+
+_FACTORS = (0.0, 1e-33, 1e-7, -1.0, 1.0, 25.0)
+
+
+@pytest.mark.parametrize("factor", _FACTORS)
+def test_the_largest_pressure_is_that_of_a_contact_under_the_load_itself(factor):
+    """`max_pressure` scales the contact under the reference load; value and slope, 0 included."""
+    one, load = example("actuator"), array(20e3 * factor)
+
+    def found(load):
+        return prsm.compute(one, ["max_pressure"], load=load)["max_pressure"]
+
+    def expected(load):
+        stage = one.stages[0]
+        contact = stage_contact(stage, jnp.abs(load))
+        onsets = strength.side_onsets(stage)
+        assert onsets is not None
+        pressures = [
+            strength.truncated_pressure(onset, side.hertz.max_pressure)
+            for onset, side in zip(onsets, (contact.screw, contact.nut), strict=True)
+        ]
+        return jnp.maximum(*pressures)
+
+    (value, slope), (of_contact, its_slope) = (
+        jax.jit(jax.value_and_grad(each))(load) for each in (found, expected)
+    )
+    # Rounding of two cube roots and of the closed form of a cut ellipse.
+    np.testing.assert_allclose(value, of_contact, rtol=1e-13)
+    np.testing.assert_allclose(slope, its_slope, rtol=1e-12)
+    assert (float(value) > 0) == (factor != 0)
+
+
+def test_the_largest_pressure_needs_one_contact_of_each_side():
+    analysis = Analysis(example("actuator"))
+    jax.eval_shape(lambda: find_quantity("max_pressure").function(analysis))
+    assert "contacts" not in vars(analysis)
+
+
+def test_extents_of_all_ends_are_those_of_each():
+    """Ends in equal directions and in others, in any order."""
+    hertz, frame, ends, _ = next(iter(sides_of(screw_of_30_mm(_LEAD).stages[0], 1e4)))
+    total = frame.curvature.total
+    mixed = [
+        *ends,
+        dataclasses.replace(ends[0], coefficient=total * 0.3),
+        dataclasses.replace(ends[0], coefficient=None),
+        ends[0],
+    ]
+    found = half_extents(hertz, frame.curvature, mixed)
+    each = [half_extent(hertz, frame.curvature, end) for end in mixed]
+    np.testing.assert_array_equal(found, each)
+    assert len({float(extent) for extent in found}) >= 3
