@@ -1,5 +1,7 @@
 """Parts of programs that are compiled by themselves: the same values and derivatives."""
 
+import functools
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -10,6 +12,7 @@ from jaxtyping import ArrayLike
 from scenes import array, example
 
 import prsm_jax as prsm
+from prsm_jax import strength
 from prsm_jax.dynamics import all_kinematics, stage_kinematics
 from prsm_jax.numerics import apart
 from prsm_jax.programs import traced_physics
@@ -153,3 +156,10 @@ def test_contacts_and_ends_of_flanks_are_separate_parts_of_the_pressure():
     traced = traced_physics(pressure, array(10e-3))
     assert {"meshing", "hertz", "flank_ends", "truncation"} <= set(traced)
     assert not {"meshing", "hertz", "flank_ends", "truncation"} & outside
+
+
+def test_the_law_of_cut_ellipses_is_a_separate_part():
+    side = present(present(strength.side_onsets(example("actuator").stages[0]))[0])
+    pressure = functools.partial(strength.truncated_pressure, side)
+    jaxpr = jax.make_jaxpr(pressure)(array(2e9))
+    assert [one.params.get("name") for one in jaxpr.eqns].count("piece") == 1
