@@ -62,8 +62,8 @@ def _hertz_of(stage: Stage, method: HertzMethod | None = None) -> Callable[..., 
     """`hertz_contact` by the method of a stage, or by another one in its place.
 
     All thread contacts of the package are computed by this function. It is a separate part of a
-    program: four numbers enter and six leave, and XLA would fuse its 60 operations and those of
-    their derivatives with all that uses them.
+    program: XLA would fuse its 300 operations, and those of their derivatives, with all that uses
+    the results.
     """
     chosen = stage.contact_method if method is None else method
     return apart(functools.partial(hertz_contact, method=chosen), whole=True)

@@ -59,6 +59,8 @@ def half_extents(
 
     - `hertz`, `curvature`: the contact under a load, and the curvatures of its gap.
     - `ends`: the ends; one without a coefficient lies across the rolling direction.
+
+    **Returns:** one for each end.
     """
     total, squared = curvature.total, curvature.difference_squared
     major, minor = hertz.semi_major, hertz.semi_minor
@@ -69,15 +71,14 @@ def half_extents(
     )
     mean = (major**2 + minor**2) / 2
     # Crest and root of a body lie in one direction, and have the same coefficient.
-    known: dict[int, Scalar] = {}
-    for end in ends:
-        if id(end.coefficient) not in known:
-            across = total - curvature.rolling
-            coefficient = across if end.coefficient is None else end.coefficient
-            # Between b² and a², up to rounding.
-            extent = root_or_zero(mean - rate * (coefficient - total / 2))
-            known[id(end.coefficient)] = extent
-    return [known[id(end.coefficient)] for end in ends]
+    coefficients = {id(end.coefficient): end.coefficient for end in ends}
+    across = total - curvature.rolling
+    extents = {
+        # Between b² and a², up to rounding.
+        key: root_or_zero(mean - rate * ((across if c is None else c) - total / 2))
+        for key, c in coefficients.items()
+    }
+    return [extents[id(end.coefficient)] for end in ends]
 
 
 def half_extent(hertz: HertzContact, curvature: RelativeCurvature, end: FlankEnd) -> Scalar:
@@ -98,7 +99,7 @@ def onset_pressures(
     - `ends`: the ends of its flanks.
     """
     ways: dict[str, Scalar] = {}
-    # Semi-axes and pressure are both proportional to the cube root of the load.
+    # Semi-axes and pressure are both proportional to the cube root of the load: any load will do.
     for end, extent in zip(ends, half_extents(hertz, curvature, ends), strict=True):
         onset = end.distance * hertz.max_pressure / extent
         ways[end.way] = jnp.minimum(ways[end.way], onset) if end.way in ways else onset

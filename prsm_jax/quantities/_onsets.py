@@ -46,8 +46,8 @@ def truncated_pressure(analysis: Analysis, index: int, side: str, hertz: Scalar)
 def equal_pressure(analysis: Analysis, index: int, side: str) -> Scalar:
     """As `truncated_pressure`, if all threads share the load at the operating point equally [Pa].
 
-    Where a flank ends, from the contact under the reference load, which its ends need anyway:
-    another contact under the load itself would add a fifth to the program of a second derivative.
+    Where a flank ends, from the contact under the reference load, which its ends need anyway: a
+    contact under the load itself would add a sixth to the program of a second derivative.
     """
     onset = _onset(analysis, index, side)
     if onset is None:

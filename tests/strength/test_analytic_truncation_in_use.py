@@ -309,8 +309,8 @@ def test_the_largest_pressure_is_that_of_a_contact_under_the_load_itself(factor)
         jax.jit(jax.value_and_grad(each))(load) for each in (found, expected)
     )
     # Rounding of two cube roots and of the closed form of a cut ellipse.
-    np.testing.assert_allclose(value, of_contact, rtol=1e-13)
-    np.testing.assert_allclose(slope, its_slope, rtol=1e-12)
+    np.testing.assert_allclose(value, of_contact, rtol=1e-14)
+    np.testing.assert_allclose(slope, its_slope, rtol=3e-14)
     assert (float(value) > 0) == (factor != 0)
 
 
