@@ -18,7 +18,7 @@ from truncation_scenes import NUT_LENGTH, screw_of_30_mm, without_addenda
 
 import prsm_jax as prsm
 from prsm_jax import strength
-from prsm_jax.contact import half_extent, half_extents
+from prsm_jax.contact import half_extent, half_extents, rounded_edges
 from prsm_jax.mechanism import AxialPlay, DutyCycle, LoadSharing, SplitNut, Strength
 from prsm_jax.quantities import Analysis, find_quantity
 from tests.roots import root_between
@@ -288,30 +288,35 @@ _FACTORS = (0.0, 1e-33, 1e-7, -1.0, 1.0, 25.0)
 
 @pytest.mark.parametrize("factor", _FACTORS)
 def test_the_largest_pressure_is_that_of_a_contact_under_the_load_itself(factor):
-    """`max_pressure` scales the contact under the reference load; value and slope, 0 included."""
+    """`max_pressure` scales the contact under the reference load; values and slopes, 0 included.
+
+    Of both sides, and the largest.
+    """
     one, load = example("actuator"), array(20e3 * factor)
 
     def found(load):
-        return prsm.compute(one, ["max_pressure"], load=load)["max_pressure"]
+        sides = prsm.compute(one, ["max_pressure_screw", "max_pressure_nut"], load=load)
+        largest = prsm.compute(one, ["max_pressure"], load=load)["max_pressure"]
+        return (*(pressure[0] for pressure in sides.values()), largest)
 
     def expected(load):
         stage = one.stages[0]
         contact = stage_contact(stage, jnp.abs(load))
         onsets = strength.side_onsets(stage)
         assert onsets is not None
-        pressures = [
+        screw, nut = (
             strength.truncated_pressure(onset, side.hertz.max_pressure)
             for onset, side in zip(onsets, (contact.screw, contact.nut), strict=True)
-        ]
-        return jnp.maximum(*pressures)
+        )
+        return screw, nut, jnp.maximum(screw, nut)
 
-    (value, slope), (of_contact, its_slope) = (
-        jax.jit(jax.value_and_grad(each))(load) for each in (found, expected)
-    )
+    values, slopes = jax.jit(lambda load: jax.jvp(found, (load,), (array(1.0),)))(load)
+    of_contact, its_slopes = jax.jit(lambda load: jax.jvp(expected, (load,), (array(1.0),)))(load)
     # Rounding of two cube roots and of the closed form of a cut ellipse.
-    np.testing.assert_allclose(value, of_contact, rtol=1e-14)
-    np.testing.assert_allclose(slope, its_slope, rtol=3e-14)
-    assert (float(value) > 0) == (factor != 0)
+    np.testing.assert_allclose(values, of_contact, rtol=1e-14)
+    np.testing.assert_allclose(slopes, its_slopes, rtol=3e-14)
+    assert all((np.asarray(values) > 0) == (factor != 0))
+    assert factor == 0 or abs(float(values[0]) / float(values[1]) - 1) > 0.1
 
 
 def test_the_largest_pressure_needs_one_contact_of_each_side():
@@ -334,3 +339,25 @@ def test_extents_of_all_ends_are_those_of_each():
     each = [half_extent(hertz, frame.curvature, end) for end in mixed]
     np.testing.assert_array_equal(found, each)
     assert len({float(extent) for extent in found}) >= 3
+
+
+def test_each_rounded_crest_has_the_extent_towards_it():
+    """s of onset g p₀/s, steepness E* s/(p₀ ρ) and aspect a b/s²; a root is no edge."""
+    hertz, frame, ends, _ = next(iter(sides_of(screw_of_30_mm(_LEAD).stages[0], 1e4)))
+    other = dataclasses.replace(ends[0], coefficient=frame.curvature.total * 0.3)
+    root = dataclasses.replace(ends[0], kind="root")
+    modulus, radius = 1.15e11, 0.2e-3
+    edges = rounded_edges(
+        hertz, frame.curvature, (root, ends[0], other), array(modulus), array(radius)
+    )
+    pressure = float(hertz.max_pressure)
+    assert len(edges) == 2
+    extents = [float(half_extent(hertz, frame.curvature, end)) for end in (ends[0], other)]
+    assert abs(extents[0] / extents[1] - 1) > 0.05
+    for edge, extent in zip(edges, extents, strict=True):
+        expected = (
+            float(ends[0].distance) * pressure / extent,
+            modulus * extent / (pressure * radius),
+            float(hertz.semi_major * hertz.semi_minor) / extent**2,
+        )
+        np.testing.assert_allclose((edge.onset, edge.steepness, edge.aspect), expected, rtol=1e-14)
