@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from ..fields import Scalar
 from ..geometry import Meshing, RelativeCurvature
 from ..mechanism import CurvatureConvention, Thread
+from ..numerics import inverse
 
 
 class ContactFrame(eqx.Module):
@@ -64,7 +65,7 @@ def _wu2022(thread: Thread) -> tuple[ContactFrame, ContactFrame]:
 def _exact(meshing: Meshing) -> tuple[ContactFrame, ContactFrame]:
     """Curvatures of the true flanks and the true common normals, from the meshing."""
     screw, nut = (
-        ContactFrame(side.curvature, 1 / jnp.abs(side.normal[2]))
+        ContactFrame(side.curvature, inverse(jnp.abs(side.normal_parts[2])))
         for side in (meshing.screw, meshing.nut)
     )
     return screw, nut

@@ -1,9 +1,12 @@
-"""Relative curvature of two touching surfaces from the Hessian of their gap."""
+"""Relative curvature of two flanks that touch, from the second derivatives of their heights."""
+
+from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
 
 from ..fields import Scalar
+from ..numerics import inverse_root
 from ._flanks import Slope, SymmetricTensor
 
 
@@ -24,32 +27,76 @@ class RelativeCurvature(eqx.Module):
     twist: Scalar
 
 
-def relative_curvature(slope: Slope, hessian: SymmetricTensor) -> RelativeCurvature:
-    """Project the Hessian of an axial gap onto the common tangent plane.
+class FlankPoint(NamedTuple):
+    """A point of a flank z = f(r) + (lead/2π) θ, by its numbers about the axis of the flank."""
 
-    No small-lead approximation is made. With the common slope g = ∇z the tangent plane has the
-    metric G = I + g gᵀ, and the gap along the normal is the axial gap times
-    cos γ = 1/√(1 + |g|²); so the curvature tensor is S = cos γ G^{-1/2} H G^{-1/2}.
+    #: Slope f' of the profile.
+    slope: Scalar
+    #: Slope along the helix, (lead/2π)/r.
+    helix: Scalar
+    #: 1/r [1/m].
+    inverse_radius: Scalar
+    #: f'', the bend of the profile; `None` for a straight one [1/m].
+    bend: Scalar | None
 
-    The rolling direction is the tangent that lies in the transverse plane, because the bodies
-    turn about axes normal to that plane.
+
+def along_gradient(point: FlankPoint, square: Scalar) -> SymmetricTensor:
+    """|∇z|² ∇∇z of a flank, in the direction of its gradient and at a right angle to it [1/m].
+
+    Radially and tangentially, ∇z is (f', k) with k = (lead/2π)/r, and ∇∇z has the entries f'',
+    −k/r and f'/r. Turned into the direction of ∇z,
+
+        |∇z|² ∇∇z = (f'' f'² − f' k²/r, k³/r − f'' f' k, f'' k² + f' (|∇z|² + k²)/r).
 
     **Arguments:**
 
-    - `slope`: the common gradient of both surfaces over the transverse plane.
-    - `hessian`: the Hessian of the gap over the transverse plane [1/m].
+    - `point`: the point.
+    - `square`: |∇z|².
     """
-    tensor, _ = tangent_tensor(slope, hessian)
-    x, y = slope
-    # Across g the metric is 1: there S is cos γ H.
-    across = y**2 * tensor.xx - 2 * x * y * tensor.xy + x**2 * tensor.yy
-    mixed = x * y * (tensor.yy - tensor.xx) + (x**2 - y**2) * tensor.xy
-    return RelativeCurvature(
-        total=(tensor.xx + tensor.yy) / 2,
-        difference_squared=((tensor.xx - tensor.yy) / 2) ** 2 + tensor.xy**2,
-        rolling=across / (2 * (x**2 + y**2)),
-        twist=mixed / (2 * (x**2 + y**2)),
+    slope, helix, inverse, bend = point
+    squared = helix**2
+    turn = squared * inverse
+    first, mixed = -slope * turn, helix * turn
+    second = slope * inverse * (square + squared)
+    if bend is None:
+        return SymmetricTensor(first, mixed, second)
+    along = bend * slope
+    return SymmetricTensor(first + along * slope, mixed - along * helix, second + bend * squared)
+
+
+def relative_curvature(
+    bend: SymmetricTensor, square: Scalar, flatness: Scalar
+) -> tuple[RelativeCurvature, Scalar]:
+    """Curvature of the gap between two flanks that touch, about their common normal.
+
+    No small-lead approximation is made. The tangent plane is steeper than the transverse one in
+    the direction of the common gradient g only: with cos γ = 1/√(1 + |g|²), lengths along g are
+    longer by 1/cos γ, and the gap along the normal is the axial gap times cos γ. So the curvature
+    tensor S of the gap, in the direction of g and across it, is cos γ ∇∇z times cos²γ, cos γ and 1.
+
+    The rolling direction is the tangent across g, which lies in the transverse plane, because the
+    bodies turn about axes normal to that plane.
+
+    **Arguments:**
+
+    - `bend`: |g|² ∇∇z of the gap, in the direction of g and at a right angle to it [1/m].
+    - `square`, `flatness`: |g|² and 1/|g|².
+
+    **Returns:** the curvature of the gap, and cos γ.
+    """
+    cosine = inverse_root(1 + square)
+    steep = cosine**2
+    scale = cosine * flatness
+    along = scale * steep * bend.xx
+    mixed = scale * cosine * bend.xy
+    across = scale * bend.yy
+    curvature = RelativeCurvature(
+        total=(along + across) / 2,
+        difference_squared=((along - across) / 2) ** 2 + mixed**2,
+        rolling=across / 2,
+        twist=mixed / 2,
     )
+    return curvature, cosine
 
 
 def direction_coefficient(curvature: RelativeCurvature, rolling: Scalar, across: Scalar) -> Scalar:
@@ -74,6 +121,8 @@ def tangent_tensor(
     slope: Slope, hessian: SymmetricTensor
 ) -> tuple[SymmetricTensor, SymmetricTensor]:
     """Curvature tensor S of the gap in the tangent plane, and the orientation of this plane.
+
+    For any point and any Hessian; `relative_curvature` is for flanks, in half the operations.
 
     **Arguments:**
 

@@ -8,8 +8,10 @@ import jax.numpy as jnp
 
 from ..fields import Scalar
 from ..mechanism import Stage, Thread
+from ..numerics import inverse_root
 from ..programs import physics
 from ._curvature import direction_coefficient
+from ._flanks import flanks_of
 from ._meshing import Meshing, ThreadContact
 
 #: Direction of an end from the contact point: towards the roller axis or away from it.
@@ -80,39 +82,73 @@ def _from_nominal(thread: Thread, end: _Radius) -> Scalar:
     return jnp.abs(end.radius - nominal) / jnp.cos(thread.flank_angle)
 
 
+class _Direction(eqx.Module):
+    """The steepest direction of one body's flank in the tangent plane of a contact."""
+
+    #: Distance of the contact from the axis of the body [m].
+    radius: Scalar
+    #: Length along the direction per growth of this distance.
+    lengthening: Scalar
+    #: Coefficient of the gap in the direction [1/m].
+    coefficient: Scalar
+
+
+def _direction(
+    contact: ThreadContact, radius: Scalar, lead: Scalar, slope: Scalar | None
+) -> _Direction:
+    """The direction in which a flank z = f(r) + (lead/2π) θ departs from its axis fastest.
+
+    Its gradient g has the parts f' and k = (lead/2π)/r in the radial and the tangential direction.
+    So the radial direction has the parts f'/|g| along g and −k/|g| across it; in the tangent plane,
+    which is steeper along g, the first is cos γ times that.
+
+    **Arguments:**
+
+    - `contact`: the contact.
+    - `radius`: its distance from the axis of the body [m].
+    - `lead`: of the flank over 2π [m/rad].
+    - `slope`: f'; `None` for the one that is negative and has the steepness of the contact.
+    """
+    cosine, helix = jnp.abs(contact.normal_parts[2]), lead / radius
+    steep = cosine**2
+    if slope is None:
+        slope = -jnp.sqrt(1 / steep - 1 - helix**2)
+    # Parts times |g|, and the square of their length. The sense has no effect.
+    across = slope * cosine
+    length = helix**2 + across**2
+    coefficient = direction_coefficient(contact.curvature, -helix, across)
+    lengthening = inverse_root(steep * (1 + helix**2))
+    return _Direction(radius, lengthening, coefficient / length)
+
+
+def _directions(
+    thread: Thread, contact: ThreadContact, side: str, of_roller: bool
+) -> dict[str, _Direction]:
+    """Directions of the body on one side and, if asked for, of the roller."""
+    flanks, radius = flanks_of(thread), contact.roller_contact_radius
+    lead = flanks.reduced_lead if side == "screw" else flanks.nut_reduced_lead
+    body = _direction(contact, contact.contact_radius, lead, flanks.slope)
+    if not of_roller:
+        return {side: body}
+    if side not in thread.family.sliding:
+        # On the line of centres both flanks have the same slopes.
+        return {side: body, "roller": _Direction(radius, body.lengthening, body.coefficient)}
+    # The flank of a roller descends outwards where that of the screw ascends; it ascends with that
+    # of the nut, where the other sign of both parts has the same effect.
+    lead = flanks.roller_reduced_lead if side == "screw" else -flanks.roller_reduced_lead
+    return {side: body, "roller": _direction(contact, radius, lead, None)}
+
+
 def _from_contact(
-    contact: ThreadContact, ends: tuple[_Radius, ...], side: str, outside: bool
-) -> list[tuple[Scalar, Scalar]]:
+    thread: Thread, contact: ThreadContact, ends: tuple[_Radius, ...], side: str
+) -> Iterator[tuple[Scalar, Scalar]]:
     """Distances from the contact point in the tangent plane, and the gap's coefficients there."""
-    x, y, z = contact.normal_parts
-    # Curvatures are given about the normal of the screw side; the nut's points the other way.
-    z = z if side == "screw" else -z
-    # Of each body: radius of the contact, growth of the radius per length, coefficient.
-    steepest: dict[str, tuple[Scalar, Scalar, Scalar]] = {}
-    seen = []
+    directions = _directions(thread, contact, side, any(end.body == "roller" for end in ends))
     for end in ends:
-        if end.body not in steepest:
-            if end.body == "roller":
-                radius, angle = contact.roller_contact_radius, contact.roller_angle_position
-                # About the roller axis, from which x points to the screw axis. An outside contact
-                # lies on the other side of it; the sense of the direction has no effect.
-                radial = -jnp.cos(angle), -jnp.sin(angle) if outside else jnp.sin(angle)
-            else:
-                radius, angle = contact.contact_radius, contact.contact_angle_position
-                radial = jnp.cos(angle), jnp.sin(angle)
-            radial_normal = radial[0] * x + radial[1] * y
-            # The steepest direction of the plane, by its parts; the sum of their squares is not 1.
-            rolling, across = radial[1] * x - radial[0] * y, -z * radial_normal
-            coefficient = direction_coefficient(contact.curvature, rolling, across)
-            steepest[end.body] = (
-                radius,
-                jnp.sqrt(1 - radial_normal**2),
-                coefficient / (rolling**2 + across**2),
-            )
-        radius, rate, coefficient = steepest[end.body]
+        seen = directions[end.body]
         outer = (end.kind == "crest") != (end.body == "nut")
-        seen.append(((end.radius - radius if outer else radius - end.radius) / rate, coefficient))
-    return seen
+        distance = end.radius - seen.radius if outer else seen.radius - end.radius
+        yield distance * seen.lengthening, seen.coefficient
 
 
 def _way(end: _Radius) -> Way:
@@ -151,10 +187,7 @@ def _ends(
             FlankEnd(_from_nominal(thread, end), None, end.kind, end.body, _way(end))
             for end in radii
         )
-    contact: ThreadContact = getattr(meshing, side)
-    # On the line of centres, where rollers roll, both directions are one.
-    outside = side == "nut" and side in thread.family.sliding
-    seen = _from_contact(contact, radii, side, outside)
+    seen = _from_contact(thread, getattr(meshing, side), radii, side)
     return tuple(
         FlankEnd(*numbers, end.kind, end.body, _way(end))
         for end, numbers in zip(radii, seen, strict=True)

@@ -163,23 +163,6 @@ def _polar(x: Scalar, y: Scalar) -> tuple[Scalar, _Polar]:
     return radius, _Polar(inverse, x * inverse, y * inverse)
 
 
-def helicoid_slope(profile_slope: Scalar, reduced_lead: Scalar, x: Scalar, y: Scalar) -> Slope:
-    """∇z = f' e + (lead/2π)/r t of a helicoid over the point (x, y).
-
-    **Arguments:**
-
-    - `profile_slope`: slope f' of the profile in the axial section at that point.
-    - `reduced_lead`: lead over 2π [m/rad].
-    - `x`, `y`: transverse coordinates about the helicoid's axis [m].
-    """
-    _, point = _polar(x, y)
-    turning = reduced_lead * point.inverse_radius
-    return (
-        profile_slope * point.x - turning * point.y,
-        profile_slope * point.y + turning * point.x,
-    )
-
-
 def _helicoid_hessian(
     point: _Polar, profile_slope: Scalar, profile_bend: Scalar | float, reduced_lead: Scalar
 ) -> SymmetricTensor:
@@ -220,22 +203,6 @@ def nut_side_hessian(flanks: FlankGeometry, x: Scalar, y: Scalar) -> SymmetricTe
     """Hessian of `nut_side_gap` over the transverse plane [1/m]."""
     nut, roller = _hessians(flanks, x, y, flanks.nut_reduced_lead, flanks.roller_reduced_lead)
     return SymmetricTensor(roller.xx - nut.xx, roller.xy - nut.xy, roller.yy - nut.yy)
-
-
-def nut_contact_hessian(flanks: FlankGeometry) -> SymmetricTensor:
-    """`nut_side_hessian` where a roller that rolls in the nut touches it [1/m].
-
-    That is on the line of centres at the nominal radii, where the arc of the roller has the slope
-    tan α and `f = ρ cos α`: this takes an eighth of the operations, also in derivatives.
-    """
-    nut = 1 / flanks.nut_radius
-    roller = 1 / (flanks.nut_radius - flanks.centre_distance)
-    square = 1 + flanks.slope**2
-    return SymmetricTensor(
-        square * jnp.sqrt(square) / flanks.profile_radius,
-        flanks.nut_reduced_lead * nut**2 - flanks.roller_reduced_lead * roller**2,
-        flanks.slope * (roller - nut),
-    )
 
 
 def screw_side_heights(flanks: FlankGeometry, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:

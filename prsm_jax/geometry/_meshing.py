@@ -3,26 +3,17 @@
 from typing import Annotated, NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..fields import In, Scalar
 from ..mechanism import Side, Thread, of_one_design
-from ..numerics import find_root_of
+from ..numerics import find_root_of, inverse, inverse_root
 from ..programs import one_program, physics
 from ..results import Result
-from ._curvature import RelativeCurvature, relative_curvature
-from ._flanks import (
-    FlankGeometry,
-    Slope,
-    flanks_of,
-    helicoid_slope,
-    nut_contact_hessian,
-    nut_side_gap,
-    nut_side_hessian,
-    screw_side_gap,
-    screw_side_hessian,
-)
+from ._curvature import FlankPoint, RelativeCurvature, along_gradient, relative_curvature
+from ._flanks import FlankGeometry, SymmetricTensor, flanks_of
 
 #: Newton steps allowed; from the starting value below three are enough over the whole range.
 _MAXIMUM_STEPS = 32
@@ -70,7 +61,17 @@ class ContactTriangle(eqx.Module):
 
     roller_radius: Scalar
     screw_radius: Scalar
-    #: 1/|∇z|² of the roller's flank.
+    #: 1/r of both [1/m].
+    inverse_roller_radius: Scalar
+    inverse_screw_radius: Scalar
+    #: Slopes along both helices, (lead/2π)/r.
+    roller_helix: Scalar
+    screw_helix: Scalar
+    #: 1/√(1 + s²).
+    cosine: Scalar
+    #: |∇z|² of the roller's flank.
+    square: Scalar
+    #: 1/|∇z|².
     flatness: Scalar
 
 
@@ -98,29 +99,43 @@ def _triangle(flanks: FlankGeometry, slope: Scalar) -> tuple[ContactTriangle, Sc
     flanks are equally steep, `s² + (h_R/r)² = tan²α + (h/r_s')²`.
     """
     distance, steep = flanks.centre_distance, flanks.slope
-    cosine = 1 / jnp.sqrt(1 + slope**2)
+    cosine = inverse_root(1 + slope**2)
     roller = flanks.arc_centre + flanks.profile_radius * slope * cosine
-    roller_moves = flanks.profile_radius * cosine**3
-    roller_helix = flanks.roller_reduced_lead / roller
-    flatness = 1 / (slope**2 + roller_helix**2)
-    # d(|∇z|²)/ds / 2
-    steepens = slope - roller_helix**2 / roller * roller_moves
+    inverse_roller = inverse(roller)
+    roller_helix = flanks.roller_reduced_lead * inverse_roller
+    square = slope**2 + roller_helix**2
+    flatness = inverse(square)
 
     # r_s'² + 2 r_s' half + r² − a² − twist = 0
     half = roller * steep * slope * flatness
     twist = 2 * flanks.reduced_lead * flanks.roller_reduced_lead * flatness
     # Beyond the screw axis there is no triangle; the floor keeps a search there finite.
-    square = half**2 + (distance - roller) * (distance + roller) + twist
-    root = jnp.sqrt(jnp.maximum(square, 1e-4 * distance**2))
+    under_root = half**2 + (distance - roller) * (distance + roller) + twist
+    root = jnp.sqrt(jnp.maximum(under_root, 1e-4 * distance**2))
     screw = root - half
+    inverse_screw = inverse(screw)
+    screw_helix = flanks.reduced_lead * inverse_screw
+    residual = slope**2 - steep**2 + (roller_helix - screw_helix) * (roller_helix + screw_helix)
+
+    roller_moves = flanks.profile_radius * cosine**3
+    # d(|∇z|²)/ds / 2
+    steepens = slope - roller_helix**2 * inverse_roller * roller_moves
     relative = -2 * steepens * flatness
     half_moves = half * relative + steep * flatness * (roller + slope * roller_moves)
     screw_moves = (twist * relative / 2 - screw * half_moves - roller * roller_moves) / root
-
-    screw_helix = flanks.reduced_lead / screw
-    residual = slope**2 - steep**2 + (roller_helix - screw_helix) * (roller_helix + screw_helix)
-    derivative = 2 * (steepens + screw_helix**2 / screw * screw_moves)
-    return ContactTriangle(roller, screw, flatness), residual, derivative
+    derivative = 2 * (steepens + screw_helix**2 * inverse_screw * screw_moves)
+    triangle = ContactTriangle(
+        roller_radius=roller,
+        screw_radius=screw,
+        inverse_roller_radius=inverse_roller,
+        inverse_screw_radius=inverse_screw,
+        roller_helix=roller_helix,
+        screw_helix=screw_helix,
+        cosine=cosine,
+        square=square,
+        flatness=flatness,
+    )
+    return triangle, residual, derivative
 
 
 def _steepness(flanks: FlankGeometry, slope: Scalar) -> tuple[Scalar, Scalar]:
@@ -148,66 +163,124 @@ def contact_point(flanks: FlankGeometry, slope: Scalar) -> tuple[ContactTriangle
     return triangle, along / 2, -aside * triangle.flatness / distance
 
 
-def _unit_normal(slope: Slope, sign: float) -> tuple[Scalar, Scalar, Scalar]:
-    """Unit vector along ±(∂z/∂x, ∂z/∂y, −1)."""
-    x, y = slope
-    scale = sign / jnp.sqrt(1 + x**2 + y**2)
-    return x * scale, y * scale, -scale
-
-
 class _Touch(NamedTuple):
-    """A thread contact, where it is, and whether the search for it converged."""
+    """A thread contact, whether the search for it converged, and the gap of half teeth."""
 
     contact: ThreadContact
-    x: Scalar
-    y: Scalar
     #: `None` for a contact on the line of centres.
     converged: Bool[Array, ""] | None
+    gap: Scalar | None
 
 
-def _where_it_slides(flanks: FlankGeometry, side: Side) -> _Touch:
+def _roller_bend(flanks: FlankGeometry, cosine: Scalar) -> Scalar:
+    """(1 + s²)^(3/2)/ρ, the bend of the roller's profile from its 1/√(1 + s²) [1/m]."""
+    return inverse(flanks.profile_radius * cosine**3)
+
+
+def _contact(
+    side: Side,
+    radii: tuple[Scalar, Scalar],
+    turns: tuple[Scalar, Scalar],
+    gradient: tuple[Scalar, Scalar],
+    squares: tuple[Scalar, Scalar],
+    bend: SymmetricTensor,
+) -> ThreadContact:
+    """A contact of flanks (the mirrored ones for a nut) by what is known of it.
+
+    **Arguments:**
+
+    - `side`: whose.
+    - `radii`, `turns`: distances from the axes of the body and of the roller [m], and angle
+      positions on both [rad].
+    - `gradient`, `squares`: (∂z/∂x, ∂z/∂y) of both flanks, and |∇z|² and 1/|∇z|².
+    - `bend`: |∇z|² ∇∇z of the screw minus that of the roller, along the gradient and across it.
+    """
+    # The loaded flank of a screw faces −z, that of a nut +z.
+    sign = 1.0 if side == "screw" else -1.0
+    if side == "nut":
+        bend = SymmetricTensor(-bend.xx, -bend.xy, -bend.yy)
+    curvature, cosine = relative_curvature(bend, *squares)
+    scale = sign * cosine
+    return ThreadContact(
+        contact_radius=radii[0],
+        contact_angle_position=turns[0],
+        roller_contact_radius=sign * radii[1],
+        roller_angle_position=turns[1],
+        normal_parts=(gradient[0] * scale, gradient[1] * scale, -scale),
+        curvature=curvature,
+    )
+
+
+def _where_it_slides(thread_flanks: FlankGeometry, side: Side) -> _Touch:
     """The contact with a body on which the roller slides: aside of the line of centres."""
     on_screw = side == "screw"
-    pair = flanks if on_screw else flanks.mirrored_nut
-    distance = flanks.centre_distance
-    start = starting_slope(pair)
-    profile_slope, converged = find_root_of(
+    flanks = thread_flanks if on_screw else thread_flanks.mirrored_nut
+    distance, steep = flanks.centre_distance, flanks.slope
+    start = jax.lax.stop_gradient(starting_slope(flanks))
+    root, converged = find_root_of(
         _steepness,
-        pair,
+        flanks,
         start,
         tolerance=1e-12 if distance.dtype == jnp.float64 else 1e-5,
         max_steps=_MAXIMUM_STEPS,
     )
-    triangle, x, y = contact_point(pair, jnp.where(converged, profile_slope, start))
-    slope = helicoid_slope(pair.slope, pair.reduced_lead, x, y)
-    hessian = (screw_side_hessian if on_screw else nut_side_hessian)(flanks, x, y)
-    contact = ThreadContact(
-        contact_radius=triangle.screw_radius,
-        contact_angle_position=jnp.arctan2(y, x),
-        roller_contact_radius=triangle.roller_radius if on_screw else -triangle.roller_radius,
-        roller_angle_position=jnp.arctan2(y, distance - x if on_screw else x - distance),
-        normal_parts=_unit_normal(slope, 1.0 if on_screw else -1.0),
-        curvature=relative_curvature(slope, hessian),
+    slope = jnp.where(converged, root, start)
+    triangle, x, y = contact_point(flanks, slope)
+    # ∇z = tan α e + (lead/2π)/r t of the body, with e = (x, y)/r.
+    along, turning = x * triangle.inverse_screw_radius, y * triangle.inverse_screw_radius
+    helix = triangle.screw_helix
+    gradient = steep * along - helix * turning, steep * turning + helix * along
+    turn = jnp.arctan2(y, x)
+    roller_turn = jnp.arctan2(y, distance - x if on_screw else x - distance)
+    square = triangle.square
+    on_body = FlankPoint(steep, helix, triangle.inverse_screw_radius, None)
+    on_roller = FlankPoint(
+        slope=-slope,
+        helix=triangle.roller_helix,
+        inverse_radius=triangle.inverse_roller_radius,
+        bend=-_roller_bend(flanks, triangle.cosine),
     )
-    return _Touch(contact, x, y, converged)
+    bends = zip(along_gradient(on_body, square), along_gradient(on_roller, square), strict=True)
+    contact = _contact(
+        side,
+        radii=(triangle.screw_radius, triangle.roller_radius),
+        turns=(turn, roller_turn),
+        gradient=gradient,
+        squares=(square, triangle.flatness),
+        bend=SymmetricTensor(*(body - roller for body, roller in bends)),
+    )
+
+    # Heights at the contact above those at the nominal points.
+    body = steep * (triangle.screw_radius - flanks.screw_radius) + flanks.reduced_lead * turn
+    profile = flanks.profile_radius * (triangle.cosine - inverse_root(1 + steep**2))
+    helical = flanks.roller_reduced_lead * roller_turn
+    # The screw's flank is above the roller's, the roller's above that of the nut.
+    gap = body - profile + helical if on_screw else profile + helical - body
+    return _Touch(contact, converged, gap)
 
 
-def _where_it_rolls(flanks: FlankGeometry, side: Side, roller_radius: Scalar) -> _Touch:
+def _where_it_rolls(thread_flanks: FlankGeometry, side: Side, roller_radius: Scalar) -> _Touch:
     """The contact with a body of the roller's helix angle: at the nominal radii, exactly."""
-    on_nut = side == "nut"
-    radius = flanks.nut_radius if on_nut else flanks.screw_radius
-    lead = flanks.nut_reduced_lead if on_nut else flanks.reduced_lead
-    slope, on_line = (flanks.slope, lead / radius), jnp.zeros_like(flanks.centre_distance)
-    hessian = nut_contact_hessian(flanks) if on_nut else screw_side_hessian(flanks, radius, on_line)
-    contact = ThreadContact(
-        contact_radius=radius,
-        contact_angle_position=on_line,
-        roller_contact_radius=roller_radius,
-        roller_angle_position=on_line,
-        normal_parts=_unit_normal(slope, -1.0 if on_nut else 1.0),
-        curvature=relative_curvature(slope, hessian),
+    on_screw = side == "screw"
+    flanks = thread_flanks if on_screw else thread_flanks.mirrored_nut
+    steep, radius = flanks.slope, flanks.screw_radius
+    roller = roller_radius if on_screw else -roller_radius
+    inverse_radius = inverse(radius)
+    helix = flanks.reduced_lead * inverse_radius
+    square, cosine = steep**2 + helix**2, inverse_root(1 + steep**2)
+    # Both flanks have the slopes tan α and tan λ, so the difference of their bends is that of one
+    # flank with the sum of the curvatures.
+    both = FlankPoint(steep, helix, inverse_radius + inverse(roller), _roller_bend(flanks, cosine))
+    on_line = jnp.zeros_like(radius)
+    contact = _contact(
+        side,
+        radii=(radius, roller),
+        turns=(on_line, on_line),
+        gradient=(steep, helix),
+        squares=(square, inverse(square)),
+        bend=along_gradient(both, square),
     )
-    return _Touch(contact, radius, on_line, None)
+    return _Touch(contact, None, None)
 
 
 @of_one_design
@@ -243,7 +316,7 @@ def mesh(thread: Thread) -> Meshing:
     )
     meshed: Bool[Array, ""] | None = None
     gap: Scalar | None = None
-    for touch, gap_of in ((screw, screw_side_gap), (nut, nut_side_gap)):
+    for touch in (screw, nut):
         if touch.converged is None:
             continue
         # A root beyond the screw axis has no triangle, and where the gap has a saddle point, the
@@ -252,10 +325,9 @@ def mesh(thread: Thread) -> Meshing:
         touches = touch.contact.roller_contact_radius < flanks.centre_distance
         touches = touches & (bend.total**2 > bend.difference_squared)
         possible = (flanks.slope > 0) & (bend.total > 0)
-        own_gap = gap_of(flanks, touch.x, touch.y)
         own = touch.converged & touches & possible
         meshed = own if meshed is None else meshed & own
-        gap = own_gap if gap is None else gap + own_gap
+        gap = touch.gap if gap is None else gap + touch.gap
     assert meshed is not None
     assert gap is not None
     return Meshing(screw.contact, nut.contact, gap, meshed)

@@ -17,13 +17,13 @@ from ..contact import (
 from ..fields import CountOrTraced, Scalar
 from ..geometry import Meshing
 from ..mechanism import LoadSharing, Stage, material_of, nut_outer_radius
-from ..numerics import largest, smallest
+from ..numerics import apart, largest, smallest
 from ..programs import physics
 from ._chains import Chains
 from ._flank_law import flank_approach, flank_force
 from ._flanks import Flanks
 from ._roller_bending import roller_shapes
-from ._yamamoto import ToothCompliance, tooth_compliance
+from ._yamamoto import ToothCompliance, ToothedBody, compliances_of
 from .part_errors import (
     GapOpening,
     Places,
@@ -168,19 +168,19 @@ def tooth_compliances(stage: Stage) -> dict[str, ToothCompliance] | None:
     tooth, thread = sharing_of(stage).tooth, stage.thread
     if tooth is None:
         return None
-    thickness = tooth.pitch_line_thickness
-    return {
-        body: tooth_compliance(
+    names, thickness = ("screw", "roller", "nut"), tooth.pitch_line_thickness
+    bodies = [
+        ToothedBody(
             material_of(stage, body),
-            thread.flank_angle,
-            thread.pitch,
-            thread.pitch / 2 if thickness is None else thickness,
             getattr(tooth, f"{body}_dedendum"),
             getattr(thread, f"{body}_radius"),
             nut_outer_radius(stage) if body == "nut" else None,
         )
-        for body in ("screw", "roller", "nut")
-    }
+        for body in names
+    ]
+    thickness = thread.pitch / 2 if thickness is None else thickness
+    found = compliances_of(bodies, thread.flank_angle, thread.pitch, thickness)
+    return dict(zip(names, found, strict=True))
 
 
 def _teeth(stage: Stage) -> dict[str, Scalar] | None:
@@ -341,7 +341,7 @@ def stage_chains(
         units = contact_pair(stage, frames, (jnp.ones((), dtype), jnp.ones((), dtype)))
     else:
         units = _under_one_newton(contact.screw), _under_one_newton(contact.nut)
-    teeth = _teeth(stage)
+    teeth = apart(_teeth, whole=True)(stage)
     places = places_of(stage)
 
     def opening_of(side: str) -> GapOpening | None:

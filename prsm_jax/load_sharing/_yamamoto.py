@@ -1,6 +1,10 @@
 """Compliance of a thread tooth under a load across its flank, in Yamamoto's five parts."""
 
+from collections.abc import Sequence
+from typing import NamedTuple, TypeAlias
+
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 
 from ..fields import Scalar
@@ -29,7 +33,6 @@ class ToothCompliance(eqx.Module):
         return self.bending + self.shear + self.root_tilt + self.root_shear + self.radial
 
 
-@physics("tooth_compliance")
 def tooth_compliance(
     material: Material,
     flank_angle: Scalar,
@@ -65,7 +68,53 @@ def tooth_compliance(
     - `radius`: nominal radius d/2 [m].
     - `outer_radius`: D/2 of a sleeve [m]; `None` for a solid body.
     """
-    tangent, poisson = jnp.tan(flank_angle), material.poisson_ratio
+    body = ToothedBody(material, dedendum, radius, outer_radius)
+    return _compliance(flank_angle, pitch, pitch_line_thickness, _numbers(body))
+
+
+class ToothedBody(NamedTuple):
+    """A body and its teeth, as in `tooth_compliance`."""
+
+    material: Material
+    dedendum: Scalar
+    radius: Scalar
+    outer_radius: Scalar | None = None
+
+
+def compliances_of(
+    bodies: Sequence[ToothedBody], flank_angle: Scalar, pitch: Scalar, pitch_line_thickness: Scalar
+) -> list[ToothCompliance]:
+    """`tooth_compliance` of several bodies of one thread, in the program size of one.
+
+    **Arguments:** as in `tooth_compliance`.
+    """
+    numbers = (jnp.stack(values) for values in zip(*map(_numbers, bodies), strict=True))
+    of_all = jax.vmap(_compliance, in_axes=(None, None, None, 0))(
+        flank_angle, pitch, pitch_line_thickness, tuple(numbers)
+    )
+    return [jax.tree.map(lambda values, k=k: values[k], of_all) for k in range(len(bodies))]
+
+
+#: c and d/2 [m], E [Pa], ν, and k.
+_Numbers: TypeAlias = tuple[Scalar, Scalar, Scalar, Scalar, Scalar]
+
+
+def _numbers(body: ToothedBody) -> _Numbers:
+    modulus, poisson = body.material.youngs_modulus, body.material.poisson_ratio
+    if body.outer_radius is None:
+        stretch = 1 - poisson
+    else:
+        outer, inner = body.outer_radius**2, body.radius**2
+        stretch = (outer + inner) / (outer - inner) + poisson
+    return body.dedendum, body.radius, modulus, poisson, stretch
+
+
+@physics("tooth_compliance")
+def _compliance(
+    flank_angle: Scalar, pitch: Scalar, pitch_line_thickness: Scalar, body: _Numbers
+) -> ToothCompliance:
+    dedendum, radius, modulus, poisson, stretch = body
+    tangent = jnp.tan(flank_angle)
     root = pitch_line_thickness + 2 * dedendum * tangent
     ratio, plane = pitch_line_thickness / root, 1 - poisson**2
     taper = -jnp.log(ratio)
@@ -74,12 +123,6 @@ def tooth_compliance(
     half = root / 2
     spread = pitch / root * jnp.log((pitch + half) / (pitch - half))
     spread = spread + jnp.log((pitch / half) ** 2 - 1) / 2
-    if outer_radius is None:
-        stretch = 1 - poisson
-    else:
-        outer, inner = outer_radius**2, radius**2
-        stretch = (outer + inner) / (outer - inner) + poisson
-    modulus = material.youngs_modulus
     return ToothCompliance(
         bending=plane * 0.75 * bending / modulus,
         shear=1.2 * (1 + poisson) * taper / (tangent * modulus),

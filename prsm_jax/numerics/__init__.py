@@ -3,7 +3,6 @@
 Nothing here calls LAPACK, whose batched calls deadlock between threads of one process.
 """
 
-from ._cubic import root_above_one as root_above_one
 from ._elimination import (
     Factors as Factors,
     factorise as factorise,
@@ -32,7 +31,12 @@ from ._jacobi import (
     hermitian_eigenvalues as hermitian_eigenvalues,
     singular_values as singular_values,
 )
-from ._quotient import inverse_root as inverse_root, quotient as quotient
+from ._polynomials import polynomial as polynomial, root_above_one as root_above_one
+from ._quotient import (
+    inverse as inverse,
+    inverse_root as inverse_root,
+    quotient as quotient,
+)
 from ._root import find_root as find_root, find_root_of as find_root_of
 from ._small_solve import solve_small as solve_small
 from ._stretches import over_samples as over_samples

@@ -16,7 +16,7 @@ def _quotient(dividend, divisor):
 @_quotient.defjvp
 def _quotient_jvp(primals, tangents):
     found = quotient(*primals)
-    return found, (tangents[0] - found * tangents[1]) * _inverse(primals[1])
+    return found, (tangents[0] - found * tangents[1]) * inverse(primals[1])
 
 
 @jax.custom_jvp
@@ -26,7 +26,7 @@ def _reciprocal(value):
 
 @_reciprocal.defjvp
 def _reciprocal_jvp(primals, tangents):
-    found = _inverse(*primals)
+    found = inverse(*primals)
     return found, -found * found * tangents[0]
 
 
@@ -42,7 +42,12 @@ def _inverse_root_jvp(primals, tangents):
 
 
 # As compiled functions all calls are the same operation, which `merged` recognises.
-_inverse = jax.jit(_reciprocal)
+
+
+@jax.jit
+def inverse(value: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+    """`1/x`."""
+    return _reciprocal(value)
 
 
 @jax.jit
@@ -59,4 +64,4 @@ def inverse_root(square: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
     return _inverse_root(square)
 
 
-__all__ = ["inverse_root", "quotient"]
+__all__ = ["inverse", "inverse_root", "quotient"]

@@ -131,10 +131,14 @@ def _root_derivative(residual, with_derivative, tolerance, max_steps, primals, t
     if not varying:
         return (root, converged), (jnp.zeros_like(root), jnp.zeros_like(converged))
 
-    def at_root(values):
+    def at_root(values, unknown):
         new = dict(zip(varying, values, strict=True))
-        return residual(structure.unflatten([new.get(i, x) for i, x in enumerate(leaves)]), root)
+        leaves_there = [new.get(i, x) for i, x in enumerate(leaves)]
+        return residual(structure.unflatten(leaves_there), unknown)
 
-    _, slope = with_derivative(arguments, root)
-    _, change = jax.jvp(at_root, ([leaves[i] for i in varying],), ([changes[i] for i in varying],))
+    # One reverse pass gives all partial derivatives of the residual; a forward one would give the
+    # sum, and a second one the slope.
+    partials, slope = jax.grad(at_root, argnums=(0, 1))([leaves[i] for i in varying], root)
+    products = [part * changes[i] for i, part in zip(varying, partials, strict=True)]
+    change = functools.reduce(jnp.add, (jnp.sum(x) if x.ndim else x for x in products))
     return (root, converged), (-change / slope, jnp.zeros_like(converged))

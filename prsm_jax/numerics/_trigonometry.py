@@ -15,6 +15,7 @@ import jax.numpy as jnp
 from jax.core import Tracer
 from jax.extend.core import ClosedJaxpr, JaxprEqn, Var, jaxpr_as_fun
 
+from ._polynomials import horner
 from .compilation import CALLS
 
 _NAMES = ("sin", "cos")
@@ -47,13 +48,6 @@ _COSINE = (
 )
 
 
-def _polynomial(coefficients: tuple[float, ...], x: jax.Array) -> jax.Array:
-    total = jnp.full_like(x, coefficients[-1])
-    for coefficient in coefficients[-2::-1]:
-        total = coefficient + x * total
-    return total
-
-
 @jax.custom_jvp
 def sine_and_cosine(angle: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Sine and cosine of float64 angles [rad], both from one reduction to |r| ≤ π/4.
@@ -72,8 +66,8 @@ def sine_and_cosine(angle: jax.Array) -> tuple[jax.Array, jax.Array]:
     # Beyond 1e15 nothing is left of the angle, but sine and cosine stay between −1 and 1.
     rest = jnp.clip(rest, -_LARGEST_REST, _LARGEST_REST)
     square = rest * rest
-    sine = rest + rest * square * _polynomial(_SINE, square)
-    cosine = 1 - (0.5 * square - square * square * _polynomial(_COSINE, square))
+    sine = rest + rest * square * horner(_SINE, square)
+    cosine = 1 - (0.5 * square - square * square * horner(_COSINE, square))
     quadrant = quarters - 4 * jnp.floor(quarters * 0.25)
     odd = (quadrant == 1) | (quadrant == 3)
     first, second = jnp.where(odd, cosine, sine), jnp.where(odd, sine, cosine)

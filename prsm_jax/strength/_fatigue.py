@@ -20,7 +20,7 @@ from ..contact import StageContact, axis_ratio_of, contact_frames, engaged_threa
 from ..fields import Scalar
 from ..geometry import Meshing
 from ..mechanism import ContactMethod, Stage
-from ..numerics import above_or_nan
+from ..numerics import above_or_nan, apart
 from ..programs import physics
 from ._contacts import REFERENCE_LOAD, known_contact, strength_of, thread_share
 from ._equivalent_balls import equivalent_ball_capacity
@@ -124,24 +124,34 @@ def dynamic_capacity(
     strength = strength_of(stage)
     if strength.dynamic_capacity is not None:
         return strength.dynamic_capacity
-    if strength.material_factor is None:
+    if strength.fatigue_rule == "equivalent_balls":
+        factor = _material_factor(stage)
+        return factor * equivalent_ball_capacity(stage, meshing) / sharing_factor
+    meshing, contact = known_contact(stage, meshing, contact)
+    if fatigue is None:
+        fatigue = truncated_fatigue(stage, meshing, contact, sharing_factor)
+    if fatigue is not None:
+        return fatigue.capacity()
+    return _full_capacity(stage, fatigue_risk(stage, meshing, contact), sharing_factor)
+
+
+def _material_factor(stage: Stage) -> Scalar:
+    factor = strength_of(stage).material_factor
+    if factor is None:
         raise MissingDataError(
             "the stage has neither dynamic_capacity nor material_factor; give "
             "stage.strength.dynamic_capacity from a catalogue or a test, or "
             "stage.strength.material_factor for an estimate (1 for Lundberg and Palmgren's steel, "
             "1.3 for that of ISO 281)"
         )
-    if strength.fatigue_rule == "equivalent_balls":
-        rated = equivalent_ball_capacity(stage, meshing)
-        return strength.material_factor * rated / sharing_factor
-    meshing, contact = known_contact(stage, meshing, contact)
-    risk = fatigue_risk(stage, meshing, contact)
+    return factor
+
+
+def _full_capacity(stage: Stage, risk: Scalar, sharing_factor: Scalar | float) -> Scalar:
+    """Dynamic capacity with full ellipses, from `fatigue_risk` under the reference load [N]."""
     life = (RATED / risk) ** (1 / WEIBULL_SLOPE)
-    untruncated = strength.material_factor * REFERENCE_LOAD * jnp.cbrt(life)
-    capacity = untruncated * thread_share(stage) ** _THREADS_EXPONENT / sharing_factor
-    if fatigue is None:
-        fatigue = truncated_fatigue(stage, meshing, contact, sharing_factor)
-    return capacity if fatigue is None else fatigue.capacity(capacity)
+    capacity = _material_factor(stage) * REFERENCE_LOAD * jnp.cbrt(life)
+    return capacity * thread_share(stage) ** _THREADS_EXPONENT / sharing_factor
 
 
 def cuts_fatigue(stage: Stage) -> bool:
@@ -171,6 +181,8 @@ def truncated_fatigue(
 
     - `sides`: `side_onsets` of the stage, if already known.
     - `threads`: loads of the threads over the mean, on the screw and the nut side.
+
+    **Raises:** as in `dynamic_capacity`.
     """
     if not cuts_fatigue(stage):
         return None
@@ -181,7 +193,8 @@ def truncated_fatigue(
         return None
     risks = side_risks(stage, meshing, contact)
     common = sharing_factor if threads is None else 1.0
-    return TruncatedFatigue(sides, risks, common / thread_share(stage), threads)
+    untruncated = _full_capacity(stage, risks[0] + risks[1], sharing_factor)
+    return TruncatedFatigue(sides, risks, common / thread_share(stage), untruncated, threads)
 
 
 def fatigue_risk(stage: Stage, meshing: Meshing | None, contact: StageContact) -> Scalar:
@@ -198,7 +211,16 @@ def fatigue_risk(stage: Stage, meshing: Meshing | None, contact: StageContact) -
 def side_risks(
     stage: Stage, meshing: Meshing | None, contact: StageContact
 ) -> tuple[Scalar, Scalar]:
-    """`fatigue_risk` of the tracks on the screw and on the nut side, with full ellipses."""
+    """`fatigue_risk` of the tracks on the screw and on the nut side, with full ellipses.
+
+    Arguments as there. A separate part of a program: two numbers leave it.
+    """
+    return apart(_side_risks, whole=True)(stage, meshing, contact)
+
+
+def _side_risks(
+    stage: Stage, meshing: Meshing | None, contact: StageContact
+) -> tuple[Scalar, Scalar]:
     threads, rollers = engaged_threads(stage), stage.present_roller_count
     screw_cycles, roller_cycles, nut_cycles = cycles_per_turn(stage)
     frames = contact_frames(stage.thread, meshing, stage.curvature)

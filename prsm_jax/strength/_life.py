@@ -44,7 +44,7 @@ def basic_life(capacity: Scalar, load: Scalar) -> Scalar:
 @physics("rating_life")
 def rating_life(
     stage: Stage,
-    capacity: Scalar,
+    capacity: Scalar | None,
     spectrum: LoadSpectrum,
     fatigue: TruncatedFatigue | None = None,
 ) -> RatingLife:
@@ -61,15 +61,15 @@ def rating_life(
     **Arguments:**
 
     - `stage`: the stage: its lead, and its preload if there is one.
-    - `capacity`: C_a [N].
+    - `capacity`: C_a [N]. Only for the cubic law; `None` with `fatigue`, from which it follows.
     - `spectrum`: the loads.
-    - `fatigue`: `truncated_fatigue` of the stage, which C_a must then include, too: each load is
-      weighted by the truncation that it causes. Without it the life follows the cubic law.
+    - `fatigue`: `truncated_fatigue` of the stage: each load is weighted by the truncation that it
+      causes. Without it the life follows the cubic law.
+
+    **Raises:** `ValueError` with neither capacity nor fatigue.
     """
-    means = [
-        mean_load(load, spectrum.weights)
-        for load in _loads_by_flank(stage, capacity, spectrum, fatigue)
-    ]
+    capacity, loads = _by_flank(stage, capacity, spectrum, fatigue)
+    means = [mean_load(load, spectrum.weights) for load in loads]
     # Σ L^{−10/9} of both is a sum of 10/3 powers of their loads.
     both = mean_load(jnp.stack(means), jnp.ones_like(jnp.stack(means)), 3 * WEIBULL_SLOPE)
     revolutions = basic_life(capacity, both)
@@ -104,20 +104,32 @@ def largest_flank_load(stage: Stage, load: Float[Array, "*batch"]) -> Float[Arra
     return load if preload is None else flank_loads(load, preload)[0]
 
 
-def _loads_by_flank(
-    stage: Stage, capacity: Scalar, spectrum: LoadSpectrum, fatigue: TruncatedFatigue | None
-) -> list[Float[Array, " phases"]]:
-    """Loads on either flank, comparable with C_a by the cubic law [N]."""
-    loads = flank_loads(spectrum.load, preload_of(stage))
-    if fatigue is None:
-        return list(loads)
-    return [fatigue.comparable_load(load, capacity) for load in loads]
+def _by_flank(
+    stage: Stage, capacity: Scalar | None, spectrum: LoadSpectrum, fatigue: TruncatedFatigue | None
+) -> tuple[Scalar, tuple[Float[Array, " phases"], Float[Array, " phases"]]]:
+    """A capacity, and loads on either flank that are comparable with it by the cubic law [N].
+
+    With ends of flanks these are the capacity and the loads of full ellipses: with g of
+    `TruncatedFatigue.load_factor`, C_a g(C_a) is the capacity of full ellipses, so that
+    C_a/F′ with F′ = F g(F)/g(C_a) is that capacity over F g(F), and C_a need not be known.
+    """
+    first, second = flank_loads(spectrum.load, preload_of(stage))
+    if fatigue is not None:
+        # Both in one call: half the program size.
+        both = fatigue.equivalent_load(jnp.stack([first, second]))
+        return fatigue.untruncated, (both[0], both[1])
+    if capacity is None:
+        raise ValueError(
+            "capacity and fatigue are None; pass dynamic_capacity(stage), or "
+            "truncated_fatigue(stage) where flanks end"
+        )
+    return capacity, (first, second)
 
 
 @physics("damage")
 def damage(
     stage: Stage,
-    capacity: Scalar,
+    capacity: Scalar | None,
     spectrum: LoadSpectrum,
     fatigue: TruncatedFatigue | None = None,
 ) -> Float[Array, " phases"]:
@@ -129,13 +141,12 @@ def damage(
     **Arguments:**
 
     - `stage`: the stage, with its preload if there is one.
-    - `capacity`: C_a [N].
+    - `capacity`, `fatigue`: as in `rating_life`.
     - `spectrum`: the loads.
-    - `fatigue`: as in `rating_life`.
+
+    **Raises:** as in `rating_life`.
     """
     turns = spectrum.turned_angle / (2 * jnp.pi)
-    first, second = (
-        turns * (load / capacity) ** 3 / 1e6
-        for load in _loads_by_flank(stage, capacity, spectrum, fatigue)
-    )
+    capacity, loads = _by_flank(stage, capacity, spectrum, fatigue)
+    first, second = (turns * (load / capacity) ** 3 / 1e6 for load in loads)
     return jnp.where(jnp.sum(first) >= jnp.sum(second), first, second)

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from typing import Literal, NamedTuple
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -25,7 +24,7 @@ from ..contact import (
 from ..fields import Scalar
 from ..geometry import FlankEnd, Meshing, flank_ends, flanks_end
 from ..mechanism import Stage
-from ..numerics import apart, find_root_of
+from ..numerics import apart, find_root
 from ._contacts import REFERENCE_LOAD, known_contact, thread_share
 from ._powers import positive_power
 
@@ -273,6 +272,8 @@ class TruncatedFatigue(eqx.Module):
     risks: tuple[Scalar, Scalar]
     #: Axial load in equal shares of all threads, over the axial load on one flank.
     per_load: Scalar | float
+    #: Dynamic capacity with full ellipses [N].
+    untruncated: Scalar
     #: Loads of the threads of each side over the load by `per_load`, and the share of the side that
     #: each represents; `None` if all are equal.
     threads: tuple[ThreadShares, ThreadShares] | None = None
@@ -299,21 +300,28 @@ class TruncatedFatigue(eqx.Module):
             grown = grown + risk / (self.risks[0] + self.risks[1]) * (ratio - 1)
         return (1 + grown) ** 0.3
 
-    def capacity(self, untruncated: Scalar) -> Scalar:
-        """Dynamic capacity C_a, for which C_a g(C_a) is the capacity of full ellipses [N].
+    def capacity(self) -> Scalar:
+        """Dynamic capacity C_a, for which C_a g(C_a) is the capacity of full ellipses [N]."""
+
+        def excess(share: Scalar) -> Scalar:
+            return share * self.load_factor(share * self.untruncated) - 1
+
+        share, converged = find_root(
+            excess,
+            jnp.ones_like(self.untruncated),
+            tolerance=1e-13 if self.untruncated.dtype == jnp.float64 else 1e-6,
+            max_steps=_MAXIMUM_STEPS,
+        )
+        return self.untruncated * jnp.where(converged, share, jnp.nan)
+
+    def equivalent_load(self, load: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+        """F g(F): load of full ellipses with the same fatigue [N].
 
         **Arguments:**
 
-        - `untruncated`: capacity without truncation [N].
+        - `load`: axial load F on one flank, not negative [N].
         """
-        share, converged = find_root_of(
-            _excess,
-            (self, untruncated),
-            jnp.ones_like(untruncated),
-            tolerance=1e-13 if untruncated.dtype == jnp.float64 else 1e-6,
-            max_steps=_MAXIMUM_STEPS,
-        )
-        return untruncated * jnp.where(converged, share, jnp.nan)
+        return load * self.load_factor(load)
 
     def comparable_load(
         self, load: Float[Array, "*batch"], capacity: Scalar
@@ -325,11 +333,4 @@ class TruncatedFatigue(eqx.Module):
         - `load`: axial load on one flank, not negative [N].
         - `capacity`: C_a with truncation [N].
         """
-        return load * self.load_factor(load) / self.load_factor(capacity)
-
-
-def _excess(arguments: tuple[TruncatedFatigue, Scalar], share: Scalar) -> tuple[Scalar, Scalar]:
-    fatigue, untruncated = arguments
-    return jax.jvp(
-        lambda x: x * fatigue.load_factor(x * untruncated) - 1, (share,), (jnp.ones_like(share),)
-    )
+        return self.equivalent_load(load) / self.load_factor(capacity)

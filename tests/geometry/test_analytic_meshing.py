@@ -12,12 +12,7 @@ from scenes import array, mesh, stage, thread
 import prsm_jax as prsm
 from prsm_jax.dynamics import slip_velocity, stage_kinematics
 from prsm_jax.geometry import flanks_of
-from prsm_jax.geometry._flanks import (
-    nut_contact_hessian,
-    nut_side_gap,
-    nut_side_hessian,
-    screw_side_gap,
-)
+from prsm_jax.geometry._flanks import nut_side_gap, screw_side_gap
 from prsm_jax.geometry._meshing import _steepness, starting_slope
 from prsm_jax.mechanism import DESIGN_VARIABLES
 
@@ -281,12 +276,3 @@ def test_curvatures_of_a_gap_known_in_closed_form():
         squared = ((profile - across) / 2) ** 2
         assert curvature.difference_squared == pytest.approx(squared, rel=1e-11)
         assert curvature.rolling == pytest.approx(across / 2, rel=1e-13)
-
-
-@pytest.mark.parametrize("name", ["wu2022", "actuator", "lisowski2014"])
-def test_the_gap_at_the_nut_is_that_of_any_point(name):
-    """The Hessian in closed form on the line of centres, against the one for the whole plane."""
-    flanks = flanks_of(prsm.load(name).stages[0].thread)
-    whole = nut_side_hessian(flanks, flanks.nut_radius, jnp.zeros_like(flanks.nut_radius))
-    # Rounding of sines and roots.
-    np.testing.assert_allclose(nut_contact_hessian(flanks), whole, rtol=1e-14)

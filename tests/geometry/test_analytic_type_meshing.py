@@ -7,14 +7,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import assume, given, settings, strategies as st
 from scenes import mesh
 
-from prsm_jax.geometry import flanks_of
+from prsm_jax.geometry import flanks_of, nut_side_hessian, screw_side_hessian, tangent_tensor
 from prsm_jax.geometry._flanks import nut_side_gap, screw_side_gap
 from prsm_jax.mechanism import ROLLER_SCREW_TYPES, Stage, Thread
 
 _GAPS = {"screw": screw_side_gap, "nut": nut_side_gap}
+_HESSIANS = {"screw": screw_side_hessian, "nut": nut_side_hessian}
 
 
 def _thread(kind, radius=2e-3, ratio=5.0, helix=4.0, angle=45.0, profile=1.0):
@@ -174,3 +175,57 @@ def test_a_nut_without_lead_touches_its_rollers_on_the_line_of_centres():
     geometry = _thread("recirculating", helix=0.001)
     first = _leads(geometry)[0] * 2e-3 / 8e-3
     assert small == pytest.approx(first / 10e-3, rel=1e-4)
+
+
+def _by_any_point(flanks, side, contact):
+    """Curvatures and gap at a contact by the equations for any point of the transverse plane."""
+    turn = contact.contact_angle_position
+    x, y = contact.contact_radius * jnp.cos(turn), contact.contact_radius * jnp.sin(turn)
+    normal = contact.normal_parts
+    slope = -normal[0] / normal[2], -normal[1] / normal[2]
+    tensor, _ = tangent_tensor(slope, _HESSIANS[side](flanks, x, y))
+    matrix = jnp.array([[tensor.xx, tensor.xy], [tensor.xy, tensor.yy]])
+    along = jnp.stack(slope) / jnp.hypot(*slope)
+    across = jnp.stack([-along[1], along[0]])
+    bends = jnp.linalg.eigvalsh(matrix)
+    return {
+        "total": jnp.sum(bends) / 2,
+        "difference_squared": ((bends[1] - bends[0]) / 2) ** 2,
+        "rolling": across @ matrix @ across / 2,
+        "twist": along @ matrix @ across / 2,
+        "gap": _GAPS[side](flanks, x, y),
+    }
+
+
+_by_any_point = jax.jit(_by_any_point, static_argnums=1)
+
+
+@pytest.mark.parametrize("kind", ROLLER_SCREW_TYPES)
+def test_curvatures_and_gap_are_those_of_any_point(kind):
+    """Closed forms at contacts, aside of the line of centres and on it, against general ones.
+
+    The latter turn second derivatives over x and y into the tangent plane, and take heights from
+    distances and angles.
+    """
+
+    @settings(max_examples=20)
+    @given(_threads(kind))
+    def check(geometry):
+        meshing = mesh(geometry)
+        assume(bool(meshing.converged))
+        flanks, gap = flanks_of(geometry), 0.0
+        for side in ("screw", "nut"):
+            contact = getattr(meshing, side)
+            expected = _by_any_point(flanks, side, contact)
+            size = float(expected["total"])
+            for name, power in (
+                ("total", 1), ("difference_squared", 2), ("rolling", 1), ("twist", 1)
+            ):  # fmt: skip
+                value = float(getattr(contact.curvature, name))
+                # Rounding, some tens of operations.
+                assert value == pytest.approx(float(expected[name]), abs=1e-12 * size**power)
+            gap += float(expected["gap"])
+        # Differences of heights of the order of the radii.
+        assert float(meshing.axial_gap) == pytest.approx(gap, abs=1e-14 * float(geometry.nut_radius))
+
+    check()

@@ -361,3 +361,45 @@ def test_each_rounded_crest_has_the_extent_towards_it():
             float(hertz.semi_major * hertz.semi_minor) / extent**2,
         )
         np.testing.assert_allclose((edge.onset, edge.steepness, edge.aspect), expected, rtol=1e-14)
+
+
+def test_a_life_is_that_of_the_capacity_with_cut_ellipses():
+    """(C_a/F′)³ with the capacity of the root search, from which the life itself does not follow.
+
+    The capacity of full ellipses is C_a g(C_a).
+    """
+    one = screw_of_30_mm(_LEAD).stages[0]
+    fatigue = strength.truncated_fatigue(one)
+    assert fatigue is not None
+    capacity = fatigue.capacity()
+    factor = float(fatigue.load_factor(capacity))
+    assert factor > 1.001
+    assert float(capacity) * factor == pytest.approx(float(fatigue.untruncated), rel=1e-12)
+    assert float(strength.dynamic_capacity(one)) == pytest.approx(float(capacity), rel=1e-14)
+    for load in (1e3, 3e4, float(capacity), 3 * float(capacity)):
+        spectrum = strength.constant_load(array(10.0), array(load))
+        life = strength.rating_life(one, None, spectrum, fatigue).revolutions
+        comparable = float(fatigue.comparable_load(array(load), capacity))
+        # Three times the tolerance of the root.
+        assert float(life) == pytest.approx(1e6 * (float(capacity) / comparable) ** 3, rel=1e-12)
+
+
+def test_a_life_needs_no_search_for_the_capacity():
+    """The roots of a life's program are those of meshing and of the load sharing."""
+    scene = screw_of_30_mm(_LEAD)
+
+    def searches(name):
+        program = jax.make_jaxpr(lambda m: prsm.compute(m, [name])[name])(scene)
+        return str(program).count("while[")
+
+    assert searches("dynamic_capacity") == searches("rating_life") + 1
+
+
+def test_a_life_without_capacity_and_fatigue_names_the_remedy():
+    one = screw_of_30_mm(_LEAD).stages[0]
+    spectrum = strength.constant_load(array(10.0), array(1e4))
+    for of in (strength.rating_life, strength.damage):
+        with pytest.raises(
+            ValueError, match=r"pass dynamic_capacity\(stage\), or truncated_fatigue"
+        ):
+            of(one, None, spectrum)

@@ -7,6 +7,7 @@ the range of roller screws are in `benchmarks`; the exact solution is the defaul
 import jax.numpy as jnp
 
 from ...fields import Scalar
+from ...numerics import polynomial
 from ..special_functions import complete_elliptic_integrals
 from ._axis_ratio import antoine_log_axis_ratio
 
@@ -42,16 +43,9 @@ def hamrock_brewe_log(anisotropy: Scalar) -> tuple[Scalar, Scalar, Scalar]:
     return axis_ratio, 1.5277 + 0.6023 * jnp.log(ratio), 1.0003 + 0.5968 / ratio
 
 
-def _polynomial(coefficients: tuple[float, ...], at: Scalar) -> Scalar:
-    value = jnp.full_like(at, coefficients[0])
-    for coefficient in coefficients[1:]:
-        value = value * at + coefficient
-    return value
-
-
-#: 1/m_H and n_H in powers of θ, the highest first.
-_MAJOR = (-0.072576, 0.306757, -0.425848, 0.817353, 0.018040)
-_MINOR = (-0.640562, 3.471455, -7.405219, 7.984778, -4.592703, 1.771294, 0.108768)
+#: 1/m_H and n_H in powers of θ.
+_MAJOR = (0.018040, 0.817353, -0.425848, 0.306757, -0.072576)
+_MINOR = (0.108768, 1.771294, -4.592703, 7.984778, -7.405219, 3.471455, -0.640562)
 
 
 def lisowski_coefficients(angle: Scalar) -> tuple[Scalar, Scalar]:
@@ -64,7 +58,7 @@ def lisowski_coefficients(angle: Scalar) -> tuple[Scalar, Scalar]:
 
     - `angle`: auxiliary angle θ = arccos τ [rad].
     """
-    return 1 / _polynomial(_MAJOR, angle), _polynomial(_MINOR, angle)
+    return 1 / polynomial(_MAJOR, angle), polynomial(_MINOR, angle)
 
 
 def lisowski(anisotropy: Scalar) -> tuple[Scalar, Scalar, Scalar]:

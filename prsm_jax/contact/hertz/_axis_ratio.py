@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ...numerics import polynomial
 from ..special_functions import integrals_of_square
 
 Real = Float[Array, "*batch"]
@@ -102,10 +103,7 @@ def _ellipse_jvp(primals, tangents):
 
 def _slope_of_d(parameter: Real) -> Real:
     """dD/d(log κ) = −2 (1 − m) dD/dm by D's series in m = 1 − κ²."""
-    total = jnp.zeros_like(parameter)
-    for coefficient in reversed(_D_SERIES_SLOPES):
-        total = coefficient + parameter * total
-    return (parameter - 1) * total
+    return (parameter - 1) * polynomial(_D_SERIES_SLOPES, parameter)
 
 
 def contact_ellipse(anisotropy: Real) -> tuple[Real, Real, Real]:

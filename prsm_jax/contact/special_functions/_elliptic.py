@@ -3,6 +3,8 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ...numerics import polynomial
+
 # B = P_B(m₁) − m₁ log(m₁) Q_B(m₁) and D = P_D(m₁) − log(m₁) Q_D(m₁), of degree 10 in m₁ = κ², with
 # the smallest maximum relative error over 0 < m₁ ≤ 1: 1e-17 and 3e-17, with coefficients rounded to
 # float64 2.3e-17 and 6.5e-17 (Lawson's weighted least squares in 60 digits on Chebyshev points of
@@ -62,13 +64,6 @@ _D_LOGARITHMIC = (
 )
 
 
-def _polynomial(coefficients: tuple[float, ...], x: Float[Array, "*batch"]):
-    value = jnp.full_like(x, coefficients[-1])
-    for coefficient in reversed(coefficients[:-1]):
-        value = value * x + coefficient
-    return value
-
-
 def associated_elliptic_integrals(
     axis_ratio: Float[Array, "*batch"],
 ) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"], Float[Array, "*batch"]]:
@@ -99,11 +94,11 @@ def integrals_of_square(
     - `logarithm`: log κ.
     """
     twice = -2 * logarithm
-    integral_b = _polynomial(_B_LOGARITHMIC, square) * square * twice
-    integral_d = _polynomial(_D_LOGARITHMIC, square) * twice
+    integral_b = polynomial(_B_LOGARITHMIC, square) * square * twice
+    integral_d = polynomial(_D_LOGARITHMIC, square) * twice
     return (
-        integral_b + _polynomial(_B_REGULAR, square),
-        integral_d + _polynomial(_D_REGULAR, square),
+        integral_b + polynomial(_B_REGULAR, square),
+        integral_d + polynomial(_D_REGULAR, square),
     )
 
 

@@ -44,8 +44,10 @@ def equivalent_speed(analysis: Analysis):
 
 def _fatigue_of(analysis: Analysis, index: int, stage: Stage):
     """Arguments of `strength.rating_life` and `strength.damage`."""
-    capacity = dynamic_capacity_of(analysis, index, stage)
-    return stage, capacity, analysis.spectrum, truncated_fatigue_of(analysis, index, stage)
+    fatigue = truncated_fatigue_of(analysis, index, stage)
+    # The search for a capacity with cut ellipses would be two fifths of the program of a life.
+    capacity = None if fatigue is not None else dynamic_capacity_of(analysis, index, stage)
+    return stage, capacity, analysis.spectrum, fatigue
 
 
 def rating_life_of(analysis: Analysis, index: int, stage: Stage) -> strength.RatingLife:

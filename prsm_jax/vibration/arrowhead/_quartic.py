@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ...fields import Scalar
+from ...numerics import polynomial
 
 #: Polynomial in u = √((1 + r)/2) of cos(arccos(r)/3), by Chebyshev interpolation: 5e-10. In u
 #: the function has no root singularity at r = −1, and no arccosine is needed.
@@ -44,9 +45,7 @@ def quartic_roots(
     cube = spread * root
     ratio = jnp.clip(skew / jnp.where(cube > 0, cube, 1.0), -1.0, 1.0)
     half = jnp.sqrt((1 + ratio) / 2)
-    cosine = half * _COSINE_OF_THIRD[-1] + _COSINE_OF_THIRD[-2]
-    for coefficient in _COSINE_OF_THIRD[-3::-1]:
-        cosine = cosine * half + coefficient
+    cosine = polynomial(_COSINE_OF_THIRD, half)
     # The sum of the products of both pairs.
     products = second / 3 + 2 * root * cosine
 
