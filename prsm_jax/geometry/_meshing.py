@@ -317,7 +317,7 @@ def mesh(thread: Thread) -> Meshing:
     meshed: Bool[Array, ""] | None = None
     gap: Scalar | None = None
     for touch in (screw, nut):
-        if touch.converged is None:
+        if touch.converged is None or touch.gap is None:
             continue
         # A root beyond the screw axis has no triangle, and where the gap has a saddle point, the
         # flanks intersect.

@@ -88,9 +88,10 @@ def compliances_of(
 
     **Arguments:** as in `tooth_compliance`.
     """
-    numbers = (jnp.stack(values) for values in zip(*map(_numbers, bodies), strict=True))
+    each = map(_numbers, bodies)
+    stacked: _Numbers = jax.tree.map(lambda *values: jnp.stack(values), *each)
     of_all = jax.vmap(_compliance, in_axes=(None, None, None, 0))(
-        flank_angle, pitch, pitch_line_thickness, tuple(numbers)
+        flank_angle, pitch, pitch_line_thickness, stacked
     )
     return [jax.tree.map(lambda values, k=k: values[k], of_all) for k in range(len(bodies))]
 

@@ -31,7 +31,11 @@ from ._jacobi import (
     hermitian_eigenvalues as hermitian_eigenvalues,
     singular_values as singular_values,
 )
-from ._polynomials import polynomial as polynomial, root_above_one as root_above_one
+from ._polynomials import (
+    horner as horner,
+    polynomial as polynomial,
+    root_above_one as root_above_one,
+)
 from ._quotient import (
     inverse as inverse,
     inverse_root as inverse_root,

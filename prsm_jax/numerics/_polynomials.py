@@ -20,7 +20,6 @@ def horner(coefficients: tuple[float, ...], x: Numbers) -> Numbers:
     return total
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
 def polynomial(coefficients: tuple[float, ...], x: Numbers) -> Numbers:
     """A polynomial by Horner's rule.
 
@@ -32,10 +31,15 @@ def polynomial(coefficients: tuple[float, ...], x: Numbers) -> Numbers:
     - `coefficients`: of 1, x, x², …; at least one.
     - `x`: of any shape.
     """
+    return _polynomial(coefficients, x)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _polynomial(coefficients, x):
     return horner(coefficients, x)
 
 
-@polynomial.defjvp
+@_polynomial.defjvp
 def _polynomial_jvp(coefficients, primals, tangents):
     (x,), (tangent,) = primals, tangents
     slopes = tuple(power * one for power, one in enumerate(coefficients))[1:]

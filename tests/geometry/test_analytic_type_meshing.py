@@ -226,6 +226,7 @@ def test_curvatures_and_gap_are_those_of_any_point(kind):
                 assert value == pytest.approx(float(expected[name]), abs=1e-12 * size**power)
             gap += float(expected["gap"])
         # Differences of heights of the order of the radii.
-        assert float(meshing.axial_gap) == pytest.approx(gap, abs=1e-14 * float(geometry.nut_radius))
+        size = float(geometry.nut_radius)
+        assert float(meshing.axial_gap) == pytest.approx(gap, abs=1e-14 * size)
 
     check()
