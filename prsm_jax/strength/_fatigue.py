@@ -147,6 +147,7 @@ def _material_factor(stage: Stage) -> Scalar:
     return factor
 
 
+@physics("dynamic_capacity")
 def _full_capacity(stage: Stage, risk: Scalar, sharing_factor: Scalar | float) -> Scalar:
     """Dynamic capacity with full ellipses, from `fatigue_risk` under the reference load [N]."""
     life = (RATED / risk) ** (1 / WEIBULL_SLOPE)
@@ -218,6 +219,7 @@ def side_risks(
     return apart(_side_risks, whole=True)(stage, meshing, contact)
 
 
+@physics("dynamic_capacity")
 def _side_risks(
     stage: Stage, meshing: Meshing | None, contact: StageContact
 ) -> tuple[Scalar, Scalar]:
