@@ -376,6 +376,9 @@ def test_a_life_is_that_of_the_capacity_with_cut_ellipses():
     assert factor > 1.001
     assert float(capacity) * factor == pytest.approx(float(fatigue.untruncated), rel=1e-12)
     assert float(strength.dynamic_capacity(one)) == pytest.approx(float(capacity), rel=1e-14)
+    shared = strength.truncated_fatigue(one, sharing_factor=1.2)
+    assert shared is not None
+    assert float(shared.untruncated) == pytest.approx(float(fatigue.untruncated) / 1.2, rel=1e-14)
     for load in (1e3, 3e4, float(capacity), 3 * float(capacity)):
         spectrum = strength.constant_load(array(10.0), array(load))
         life = strength.rating_life(one, None, spectrum, fatigue).revolutions
