@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from jax.flatten_util import ravel_pytree
-from scenes import STEEL, array, mechanism
+from scenes import STEEL, array, example, mechanism
 from sharing_scenes import (
     HERTZ,
     TOOTH,
@@ -32,7 +32,15 @@ from prsm_jax.load_sharing import (
     tooth_compliance,
 )
 from prsm_jax.load_sharing._equilibrium import response
-from prsm_jax.mechanism import GivenStiffness, LoadSharing, SplitNut, UnequalRoller
+from prsm_jax.load_sharing._stage_chains import tooth_compliances
+from prsm_jax.mechanism import (
+    GivenStiffness,
+    LoadSharing,
+    SplitNut,
+    UnequalRoller,
+    material_of,
+    nut_outer_radius,
+)
 from prsm_jax.stiffness import axial_stiffness, thread_stiffness
 from prsm_jax.vibration import spring_network, vibration_system
 from tests.present import present
@@ -514,3 +522,28 @@ def test_steps_that_overshoot_are_cut():
     assert int(found.steps) < 40
     for side in loads_of(bare, found):
         np.testing.assert_allclose(np.sum(side), load, rtol=1e-9)
+
+
+def test_compliances_of_a_stage_are_those_of_each_body():
+    """All bodies in one call, each with its own section and material."""
+    one = example("actuator").stages[0]
+    bronze = dataclasses.replace(material_of(one, "nut"), youngs_modulus=array(1.1e11))
+    one = eqx.tree_at(lambda s: s.nut.material, one, bronze, is_leaf=lambda x: x is None)
+    found, geometry = present(tooth_compliances(one)), one.thread
+    tooth = present(present(one.load_sharing).tooth)
+    thickness = tooth.pitch_line_thickness
+    thickness = geometry.pitch / 2 if thickness is None else thickness
+    for body in ("screw", "roller", "nut"):
+        expected = tooth_compliance(
+            material_of(one, body),
+            geometry.flank_angle,
+            geometry.pitch,
+            thickness,
+            getattr(tooth, f"{body}_dedendum"),
+            getattr(geometry, f"{body}_radius"),
+            nut_outer_radius(one) if body == "nut" else None,
+        )
+        for name in ("bending", "shear", "root_tilt", "root_shear", "radial"):
+            value, exact = float(getattr(found[body], name)), float(getattr(expected, name))
+            assert value == pytest.approx(exact, rel=1e-14)
+    assert len({float(one.total) for one in found.values()}) == 3
