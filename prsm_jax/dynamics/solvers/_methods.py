@@ -88,13 +88,21 @@ def controller_of(
     """
     import diffrax
 
-    from ._step_control import AroundStandstill, Moving, Rounded, Weighed, root_mean_square
+    from ._step_control import (
+        AroundStandstill,
+        Moving,
+        Rounded,
+        UpToTheEnd,
+        Weighed,
+        root_mean_square,
+    )
 
     controller: Any = own
     if controller is None:
         controller = diffrax.PIDController(
             rtol=rtol, atol=atol, dtmax=longest, norm=root_mean_square
         )
+    controller = UpToTheEnd(controller, end)
     if standstills is not None:
         controller = AroundStandstill(controller, standstills)
     controller = Rounded(controller)

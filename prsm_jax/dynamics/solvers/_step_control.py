@@ -33,6 +33,9 @@ from ...numerics import root_or_zero
 _OF_THE_REST, _OF_THE_PAST = 0.32, 1.2
 #: Shortest step, in roundings of the time.
 _ROUNDINGS = 16.0
+#: Time before the end of the integration in which steps are accepted, in roundings of the time:
+#: diffrax repeats a rejected step for ever where less than 182 are left.
+_LAST_ROUNDINGS = 256.0
 #: Share of the largest speed below which ends of steps move with a reversal.
 _NEXT_TO_IT = 1e-2
 
@@ -81,6 +84,33 @@ def root_mean_square(tree: PyTree) -> Scalar:
     """Root mean square of a few states, as the norm of errors."""
     values = [x[k] for x in map(jnp.ravel, jax.tree.leaves(tree)) for k in range(x.size)]
     return root_or_zero(functools.reduce(jnp.add, [value**2 for value in values]) / len(values))
+
+
+class UpToTheEnd(_Around):
+    """Wraps a controller; next to the end of the integration, steps are accepted.
+
+    A step that would end within a hundred roundings of the end is moved by diffrax: to the end or,
+    after a rejected step, to the middle of what is left. If an error is too large there, which
+    happens where the screw comes to a standstill, the same step is rejected again and again. What
+    is left then, a few hundred roundings of the time, is too short for an error of the states.
+    """
+
+    #: End of the integration.
+    last: Scalar
+
+    def __init__(self, controller: Any, last: Scalar):
+        self.controller, self.last = controller, jax.lax.stop_gradient(last)
+
+    def adapt_step_size(
+        self, t0, t1, y0, y1_candidate, args, y_error: Any, error_order, controller_state
+    ):
+        """As the controller that is wrapped; errors of 0 next to the end, NaN excepted."""
+        rounding = jnp.finfo(self.last.dtype).eps * jnp.abs(self.last)
+        share = jnp.where(self.last - t0 <= _LAST_ROUNDINGS * rounding, 0.0, 1.0)
+        y_error = jax.tree.map(lambda error: share.astype(error.dtype) * error, y_error)
+        return self.controller.adapt_step_size(
+            t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+        )
 
 
 class Weighed(_Around):
@@ -244,6 +274,7 @@ __all__ = [
     "AroundStandstill",
     "Moving",
     "Rounded",
+    "UpToTheEnd",
     "Weighed",
     "Weight",
     "WithReversals",

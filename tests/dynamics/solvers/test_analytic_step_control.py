@@ -1,6 +1,7 @@
 """Steps and what is read between them: dense output of Kvaerno's method, tolerances, lengths."""
 
 import dataclasses
+from typing import Any
 
 import diffrax
 import equinox as eqx
@@ -14,6 +15,7 @@ from benchmarks.extremes import structures
 from prsm_jax.dynamics import BothModes, Explicit
 from prsm_jax.dynamics.histories._integration import Settings, integrated
 from prsm_jax.dynamics.solvers._kvaerno import Kvaerno
+from prsm_jax.dynamics.solvers._methods import controller_of
 from prsm_jax.dynamics.solvers._step_control import root_mean_square
 from prsm_jax.dynamics.speed_drive._choose_method import scene_problem
 
@@ -200,3 +202,63 @@ def test_a_prescribed_torque_in_single_precision_can_be_traced(method):
     short = structures.single_precision(structures._torque())
     shape = eqx.filter_eval_shape(lambda m: prsm.simulate(m, method=method, throw=False), short)
     assert shape.screw_speed.dtype == jnp.float32
+
+
+#: Just before this end the rate jumps, so that every step to it has an error above the tolerance.
+_END = 1155.4139760224207
+
+
+def _up_to_the_end(rounded_before, wraps):
+    """Result and steps of an integration whose rate jumps some roundings before its end."""
+    end = jnp.asarray(_END)
+    start = end - 1.0
+    jump = end - rounded_before * np.spacing(_END)
+
+    def rate(t, y, _):
+        return jnp.where(t > jump, 1e5, jnp.cos(t)) * jnp.ones_like(y)
+
+    controller = controller_of(1e-9, 1e-12, jnp.zeros(0), end)
+    if not wraps:
+        controller = diffrax.PIDController(rtol=1e-9, atol=1e-12)
+    return diffrax.diffeqsolve(
+        diffrax.ODETerm(rate),
+        diffrax.Tsit5(),
+        t0=start,
+        t1=end,
+        dt0=jnp.asarray(0.01),
+        y0=jnp.zeros(1),
+        stepsize_controller=controller,
+        max_steps=2000,
+        throw=False,
+    )
+
+
+@pytest.mark.parametrize("rounded_before", [40, 80])
+def test_the_last_step_is_not_rejected_for_ever(rounded_before):
+    """diffrax shortens a step next to the end to half of what is left, again and again."""
+    found = _up_to_the_end(rounded_before, True)
+    assert found.result == diffrax.RESULTS.successful
+    assert int(found.stats["num_steps"]) < 500
+    # ∫ cos, and the jump times what is left: 1e5 · 80 roundings of 2e-13.
+    exact = np.sin(_END) - np.sin(_END - 1)
+    assert float(found.ys[-1, 0]) == pytest.approx(exact, abs=1e-5)
+
+
+def test_diffrax_by_itself_does_not_end():
+    """Why the controller is wrapped; where this fails, diffrax has been mended."""
+    found = _up_to_the_end(80, False)
+    assert found.result == diffrax.RESULTS.max_steps_reached
+
+
+@pytest.mark.parametrize("error", [1.0, np.nan])
+def test_only_finite_errors_next_to_the_end_are_accepted(error):
+    end = jnp.asarray(_END)
+    controller: Any = controller_of(1e-9, 1e-12, jnp.zeros(0), end)
+    for left, kept in ((100, error == 1.0), (1e6, False)):
+        start = end - left * np.spacing(_END)
+        state = jnp.zeros(1)
+        _, memory = controller.init(None, start, end, state, end - start, None, None, 4.0)
+        keep, *_ = controller.adapt_step_size(
+            start, end, state, state, None, jnp.full(1, error), 4.0, memory
+        )
+        assert bool(keep) == kept
