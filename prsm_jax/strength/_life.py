@@ -149,4 +149,7 @@ def damage(
     turns = spectrum.turned_angle / (2 * jnp.pi)
     capacity, loads = _by_flank(stage, capacity, spectrum, fatigue)
     first, second = (turns * (load / capacity) ** 3 / 1e6 for load in loads)
-    return jnp.where(jnp.sum(first) >= jnp.sum(second), first, second)
+    difference = jnp.sum(first) - jnp.sum(second)
+    heavier = jnp.where(difference >= 0, first, second)
+    # A flank without load has a number also where the other one has none.
+    return jnp.where(jnp.isnan(difference), jnp.nan, heavier)
