@@ -406,3 +406,14 @@ def test_a_life_without_capacity_and_fatigue_names_the_remedy():
             ValueError, match=r"pass dynamic_capacity\(stage\), or truncated_fatigue"
         ):
             of(one, None, spectrum)
+
+
+def test_damage_by_ends_that_are_not_a_number_is_none():
+    """The flank without load would have a damage of 0."""
+    one = screw_of_30_mm(_LEAD).stages[0]
+    fatigue = strength.truncated_fatigue(one)
+    unknown = eqx.tree_at(lambda f: f.sides[0].onsets[0], fatigue, array(np.nan))
+    for load in (1e5, -1e5):
+        spectrum = strength.constant_load(array(10.0), array(load))
+        assert np.all(np.isfinite(strength.damage(one, None, spectrum, fatigue)))
+        assert np.all(np.isnan(strength.damage(one, None, spectrum, unknown)))
