@@ -124,8 +124,8 @@ def dynamic_capacity(
     strength = strength_of(stage)
     if strength.dynamic_capacity is not None:
         return strength.dynamic_capacity
+    factor = _material_factor(stage)
     if strength.fatigue_rule == "equivalent_balls":
-        factor = _material_factor(stage)
         return factor * equivalent_ball_capacity(stage, meshing) / sharing_factor
     meshing, contact = known_contact(stage, meshing, contact)
     if fatigue is None:
