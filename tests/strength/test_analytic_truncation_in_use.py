@@ -376,6 +376,10 @@ def test_a_life_is_that_of_the_capacity_with_cut_ellipses():
     assert factor > 1.001
     assert float(capacity) * factor == pytest.approx(float(fatigue.untruncated), rel=1e-12)
     assert float(strength.dynamic_capacity(one)) == pytest.approx(float(capacity), rel=1e-14)
+    whole = without_addenda(screw_of_30_mm(_LEAD)).stages[0]
+    assert float(fatigue.untruncated) == pytest.approx(
+        float(strength.dynamic_capacity(whole)), rel=1e-14
+    )
     shared = strength.truncated_fatigue(one, sharing_factor=1.2)
     assert shared is not None
     assert float(shared.untruncated) == pytest.approx(float(fatigue.untruncated) / 1.2, rel=1e-14)
