@@ -96,9 +96,10 @@ class _Direction(eqx.Module):
 def _direction(
     contact: ThreadContact, radius: Scalar, lead: Scalar, slope: Scalar | None
 ) -> _Direction:
-    """The direction in which a flank z = f(r) + (lead/2π) θ departs from its axis fastest.
+    """The direction in the tangent plane in which the radius of a flank grows fastest.
 
-    Its gradient g has the parts f' and k = (lead/2π)/r in the radial and the tangential direction.
+    A flank z = f(r) + (lead/2π) θ has a gradient g with the radial part f' and the tangential part
+    k = (lead/2π)/r.
     So the radial direction has the parts f'/|g| along g and −k/|g| across it; in the tangent plane,
     which is steeper along g, the first is cos γ times that.
 

@@ -104,7 +104,7 @@ class UpToTheEnd(_Around):
     def adapt_step_size(
         self, t0, t1, y0, y1_candidate, args, y_error: Any, error_order, controller_state
     ):
-        """As the controller that is wrapped; errors of 0 next to the end, NaN excepted."""
+        """As the controller that is wrapped; next to the end errors count as 0, NaN as NaN."""
         rounding = jnp.finfo(self.last.dtype).eps * jnp.abs(self.last)
         share = jnp.where(self.last - t0 <= _LAST_ROUNDINGS * rounding, 0.0, 1.0)
         y_error = jax.tree.map(lambda error: share.astype(error.dtype) * error, y_error)
