@@ -25,6 +25,7 @@ from tests import shape_checks
 # the command line runs as for a user.
 if "PYTEST_XDIST_WORKER" in os.environ:
     os.environ.pop("LD_PRELOAD", None)
+    os.environ.pop("MALLOC_CONF", None)
 
 # Before the package is imported.
 shape_checks.install()
@@ -129,13 +130,17 @@ def _take_memory_in_large_pieces() -> None:
 _take_memory_in_large_pieces()
 
 
+#: jemalloc's name of all its arenas together is 4096 (MALLCTL_ARENAS_ALL).
+_PURGE_ALL_ARENAS = b"arena.4096.purge"
+
+
 def _trim() -> None:
     # The C library keeps what was freed in small pieces unless it is asked to give it back.
     with contextlib.suppress(OSError, AttributeError):
         ctypes.CDLL("libc.so.6").malloc_trim(0)
     with contextlib.suppress(OSError, AttributeError):
-        # Of the allocator of the Makefile, where it is loaded.
-        ctypes.CDLL(None).mi_collect(True)
+        # So does jemalloc, which the Makefile loads where it is installed.
+        ctypes.CDLL(None).mallctl(_PURGE_ALL_ARENAS, None, None, None, ctypes.c_size_t(0))
 
 
 @pytest.fixture(autouse=True, scope="module")
