@@ -6,6 +6,7 @@ from ._elliptic import (
     complete_elliptic_integrals as complete_elliptic_integrals,
     integrals_of_square as integrals_of_square,
 )
+from ._incomplete import incomplete_elliptic_integrals as incomplete_elliptic_integrals
 from ._jacobi import (
     Jacobi as Jacobi,
     jacobi_complex as jacobi_complex,

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 
 from ...fields import Scalar
 from ...programs import physics
-from ..special_functions import carlson_rf_and_rd
+from ..special_functions import incomplete_elliptic_integrals
 
 
 @physics("axis_stress")
@@ -38,12 +38,7 @@ def axis_stress(
     square, below = ratio**2, 1 + zeta**2
     ratio_below = jnp.sqrt((square + zeta**2) / below)
     # ∫ sin²θ/Δ and ∫ cos²θ/Δ up to arccot ζ, the amplitude at this depth.
-    cosine_squared, delta_squared = zeta**2 / below, ratio_below**2
-    one = jnp.ones_like(zeta)
-    sine = 1 / jnp.sqrt(below)
-    first_kind, second_kind = carlson_rf_and_rd(cosine_squared, delta_squared, one)
-    integral_d = sine**3 * second_kind / 3
-    integral_b = sine * first_kind - integral_d
+    integral_d, integral_b = incomplete_elliptic_integrals(square, zeta)
     shared = 1 / (below * (1 + ratio_below))
     along = zeta * integral_d - shared / 2
     along_poisson = (shared + zeta * integral_b - 1) / square

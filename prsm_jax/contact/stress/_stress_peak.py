@@ -1,14 +1,15 @@
 """Largest stress below an elliptical Hertz contact, and its position."""
 
+import functools
 from collections.abc import Callable
 from typing import Annotated, Literal, TypeAlias
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from ...fields import In, Scalar
-from ...numerics import above_or_nan, solve
+from ...numerics import above_or_nan, find_root_of, solve
 from ...programs import physics
 from ...results import Result
 from ._axis_stress import axis_stress
@@ -34,10 +35,11 @@ _OF_PRINCIPAL: dict[str, Callable[[Array, Array, Array], Array]] = {
     "max_shear": max_shear_of_principal,
 }
 #: Number of depths in a grid on the axis, and number of successively finer grids; the first is 2 b
-#: wide.
-_DEPTHS, _GRIDS = 33, 3
-#: Newton steps from the finest grid to rounding.
-_STEPS = 3
+#: wide, and the next ones as wide as two intervals of the one before.
+_DEPTHS, _GRIDS = 33, 2
+_FINER = 2 / (_DEPTHS - 1)
+#: Largest number of Newton steps from the finest grid; three are enough to reach rounding.
+_STEPS = 8
 #: Number of refinements of the grid in space.
 _REFINEMENTS = 8
 
@@ -135,6 +137,32 @@ def _moving(
     return point + change, gradient @ change / 2
 
 
+def _on_axis(name: str, depth: Scalar, ratio: Scalar, poisson_ratio: Scalar) -> Scalar:
+    """Stress over p₀ at a depth in units of b, for κ = b/a."""
+    one = jnp.ones_like(ratio)
+    return _OF_PRINCIPAL[name](*axis_stress(depth, 1 / ratio, one, one, poisson_ratio))
+
+
+def _slope_on_axis(
+    name: str, arguments: tuple[Scalar, Scalar, Bool[Array, ""], Scalar], depth: Scalar
+) -> tuple[Scalar, Scalar]:
+    """Its derivative by the depth, which is 0 at the maximum, and the curvature; on the surface the
+    distance to it.
+    """
+    ratio, poisson_ratio, below, surface = arguments
+
+    def slope(depth: Scalar) -> Scalar:
+        at = functools.partial(_on_axis, name, ratio=ratio, poisson_ratio=poisson_ratio)
+        return jax.jvp(at, (depth,), (jnp.ones_like(depth),))[1]
+
+    rise, bend = jax.jvp(slope, (depth,), (jnp.ones_like(depth),))
+    return jnp.where(below, rise, depth - surface), jnp.where(below, bend, 1.0)
+
+
+# Functions of the module, as `find_root_of` needs them.
+_SLOPES = {name: functools.partial(_slope_on_axis, name) for name in _OF_PRINCIPAL}
+
+
 @physics("stress_peak_on_axis")
 def stress_peak_on_axis(
     semi_major: Scalar,
@@ -159,54 +187,32 @@ def stress_peak_on_axis(
 
     **Raises:** `ValueError` for an unknown measure.
     """
-    stress_measure = _measure(measure, _OF_PRINCIPAL)
+    _measure(measure, _OF_PRINCIPAL)
     # Without a load the axes are 0, and the position in units of b is meaningless.
     loaded = above_or_nan(semi_minor)
     ratio = jnp.where(loaded, semi_minor, 1.0) / jnp.where(loaded, semi_major, 1.0)
     one = jnp.ones_like(ratio)
 
-    def at(depth: Scalar, ratio: Scalar, poisson_ratio: Scalar) -> Scalar:
-        return stress_measure(*axis_stress(depth, 1 / ratio, one, one, poisson_ratio))
-
     constants = jax.lax.stop_gradient((ratio, poisson_ratio))
-    several = jax.vmap(lambda depth: at(depth, *constants))
+    several = jax.vmap(lambda depth: _on_axis(measure, depth, *constants))
     steps = jnp.linspace(-1.0, 1.0, _DEPTHS, dtype=ratio.dtype)
 
     def refine(_, carry):
         centre, width = carry
         grid = jnp.maximum(centre + width * steps, 0.0)
-        return grid[jnp.argmax(several(grid))], width * (2 / (_DEPTHS - 1))
+        return grid[jnp.argmax(several(grid))], width * _FINER
 
-    grid_maximum, _ = jax.lax.fori_loop(0, _GRIDS, refine, (one, one))
-    # Newton steps by differences of fourth order, before those that carry the derivatives: these
-    # need the curvature at the maximum itself, because the derivative of the depth is inversely
-    # proportional to it.
-    near = 3e-3 if ratio.dtype == jnp.float64 else 3e-2
-    stencil = near * jnp.arange(-2.0, 3.0, dtype=ratio.dtype)
-
-    def closer(_, carry):
-        centre, _ = carry
-        values = several(centre + stencil)
-        slope = values @ jnp.asarray([1.0, -8.0, 0.0, 8.0, -1.0], ratio.dtype) / (12 * near)
-        curved = jnp.asarray([-1.0, 16.0, -30.0, 16.0, -1.0], ratio.dtype) / (12 * near**2)
-        bend = values @ curved
-        return centre - slope / bend, bend
-
-    top, bend = jax.lax.fori_loop(0, _STEPS, closer, (grid_maximum, one))
+    nearest, spacing = jax.lax.fori_loop(0, _GRIDS, refine, (one, one))
     # For Poisson's ratios below about 0 it lies on the surface, where the slope need not be 0.
-    below = above_or_nan(grid_maximum, 2 * near)
-    top, bend = jnp.where(below, top, grid_maximum), jnp.where(below, bend, jnp.inf)
-
-    def value_and_slope(depth: Scalar) -> tuple[Scalar, Scalar]:
-        return jax.jvp(lambda z: at(z, ratio, poisson_ratio), (depth,), (jnp.ones_like(depth),))
-
-    # Slopes are 0 up to rounding. Their derivatives are not, because the maximum moves: the first
-    # step carries the first derivative of the depth, the second one also the second.
-    moved = top - value_and_slope(top)[1] / bend
-    value, slope = value_and_slope(moved)
-    depth = (moved - slope / bend) * semi_minor
+    below = above_or_nan(nearest, 1.5 * spacing)
+    arguments = ratio, poisson_ratio, below, nearest
+    tolerance = 1e3 * float(jnp.finfo(ratio.dtype).eps)
+    depth, _ = find_root_of(
+        _SLOPES[measure], arguments, nearest, tolerance=tolerance, max_steps=_STEPS
+    )
+    value = _on_axis(measure, depth, ratio, poisson_ratio)
     zero = jnp.zeros_like(depth)
-    return StressPeak(max_pressure * value, jnp.stack([zero, zero, depth]))
+    return StressPeak(max_pressure * value, jnp.stack([zero, zero, depth * semi_minor]))
 
 
 @physics("stress_peak")
