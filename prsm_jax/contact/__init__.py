@@ -45,6 +45,7 @@ from ._truncation import (
     pressure_ratio as pressure_ratio,
     risk_beyond as risk_beyond,
     risk_ratio as risk_ratio,
+    same_number as same_number,
     share_within as share_within,
     truncation as truncation,
 )

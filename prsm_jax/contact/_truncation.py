@@ -42,6 +42,8 @@ _CIRCULAR = 1e-5
 _LEAST = 0.01
 #: Upper limit of this ratio; no ellipse reaches such an end.
 _FAR = 1e3
+#: A Hertz pressure that no contact has [Pa].
+_NEVER_REACHED = 1e30
 #: Integral of (1 − y²)^{9/2} from 0 to 1.
 _HALF_INTEGRAL = 63 * math.pi / 512
 #: ∫ cos¹⁰θ dθ = sin θ cos θ Σ c cosⁿθ + c₀ θ: c for n = 0, 2, 4, 6 and 8.
@@ -248,7 +250,15 @@ def risk_ratio(pressure: Real, onsets: Onsets) -> Real:
     - `onsets`: from `onset_pressures`.
     """
     ratio = pressure_ratio(pressure, onsets)
-    share = jnp.ones_like(pressure)
-    for onset in onsets:
-        share = share - risk_beyond(_reach(pressure * ratio, onset))
-    return ratio**10 * share
+    # Both ends in one call: half the program size.
+    reaches = jnp.stack([_reach(pressure * ratio, onset) for onset in onsets])
+    return ratio**10 * (1 - jnp.sum(risk_beyond(reaches), axis=0))
+
+
+def same_number(onsets: Sequence[Onsets]) -> list[Onsets]:
+    """Onsets of several contacts, filled up to the same number with ends that none reaches."""
+    most = max(len(one) for one in onsets)
+    return [
+        one + tuple(jnp.full_like(one[0], _NEVER_REACHED) for _ in range(most - len(one)))
+        for one in onsets
+    ]

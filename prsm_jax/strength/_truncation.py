@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Literal, NamedTuple
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -18,6 +19,7 @@ from ..contact import (
     onset_pressures,
     pressure_ratio,
     risk_ratio,
+    same_number,
     share_within,
     truncation,
 )
@@ -285,20 +287,28 @@ class TruncatedFatigue(eqx.Module):
 
         - `load`: axial load on one flank, not negative [N].
         """
-        grown = jnp.zeros_like(load)
+        shared_load, all_risks = load * self.per_load, self.risks[0] + self.risks[1]
+
+        def grown(side: SideOnset, risk: Scalar, shares: ThreadShares | None) -> Array:
+            def ratio(one: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+                return risk_ratio(side.pressure(one), side.onsets)
+
+            found = (
+                ratio(shared_load) if shares is None else shares.mean_of_risks(ratio, shared_load)
+            )
+            return risk / all_risks * (found - 1)
+
         threads = (None, None) if self.threads is None else self.threads
-        for side, risk, shares in zip(self.sides, self.risks, threads, strict=True):
-            if side is None:
-                continue
-            shared_load = load * self.per_load
-            if shares is None:
-                ratio = risk_ratio(side.pressure(shared_load), side.onsets)
-            else:
-                ratio = shares.mean_of_risks(
-                    lambda one, side=side: risk_ratio(side.pressure(one), side.onsets), shared_load
-                )
-            grown = grown + risk / (self.risks[0] + self.risks[1]) * (ratio - 1)
-        return (1 + grown) ** 0.3
+        ending = [one for one in zip(self.sides, self.risks, threads, strict=True) if one[0]]
+        if not ending:
+            return jnp.ones_like(load)
+        # Both sides in one call: half the program size.
+        sides, risks, shares = zip(*ending, strict=True)
+        onsets = same_number([side.onsets for side in sides])
+        sides = [SideOnset(s.reference, one) for s, one in zip(sides, onsets, strict=True)]
+        several = jax.tree.map(lambda *x: jnp.stack(x), *zip(sides, risks, shares, strict=True))
+        all_grown = jnp.sum(jax.vmap(grown)(*several), axis=0)
+        return (1 + all_grown) ** 0.3
 
     def capacity(self) -> Scalar:
         """Dynamic capacity C_a, for which C_a g(C_a) is the capacity of full ellipses [N]."""
