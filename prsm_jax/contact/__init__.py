@@ -42,10 +42,10 @@ from ._truncation import (
     half_extents as half_extents,
     load_beyond as load_beyond,
     onset_pressures as onset_pressures,
+    padded_onsets as padded_onsets,
     pressure_ratio as pressure_ratio,
     risk_beyond as risk_beyond,
     risk_ratio as risk_ratio,
-    same_number as same_number,
     share_within as share_within,
     truncation as truncation,
 )

@@ -228,10 +228,7 @@ def _ratio_jvp(primals, tangents):
 def _risk_ratio(first: Real, second: Real) -> Real:
     """`risk_ratio` by the distances to both ends."""
     ratio = _ratio(first, second)
-    # Both ends in one call: half the program size.
-    return ratio**10 * (
-        1 - jnp.sum(risk_beyond(jnp.stack([first / ratio, second / ratio])), axis=0)
-    )
+    return ratio**10 * (1 - risk_beyond(first / ratio) - risk_beyond(second / ratio))
 
 
 @_risk_ratio.defjvp
@@ -239,13 +236,17 @@ def _risk_ratio_jvp(primals, tangents):
     # With u = t/σ and −w′ the density of the risk:
     # ∂(σ¹⁰ S)/∂t = σ⁹ ((10 S + Σ u w′) ∂σ/∂t − w′).
     ratio = _ratio(*primals)
-    reaches = jnp.stack([one / ratio for one in primals])
-    share, density = 1 - jnp.sum(risk_beyond(reaches), axis=0), _risk_density(reaches)
-    power, grown = ratio**9, 10 * share - jnp.sum(reaches * density, axis=0)
-    change = jnp.zeros_like(ratio)
-    for k, slope in enumerate(_ratio_slopes(ratio, primals)):
-        change = change + (grown * slope + density[k]) * tangents[k]
-    return power * ratio * share, power * change
+    first, second = (reach / ratio for reach in primals)
+    share = 1 - risk_beyond(first) - risk_beyond(second)
+    densities = _risk_density(first), _risk_density(second)
+    power, grown = ratio**9, 10 * share - first * densities[0] - second * densities[1]
+    changes = [
+        (grown * slope + density) * tangent
+        for slope, density, tangent in zip(
+            _ratio_slopes(ratio, primals), densities, tangents, strict=True
+        )
+    ]
+    return power * ratio * share, power * (changes[0] + changes[1])
 
 
 def pressure_ratio(pressure: Real, onsets: Onsets) -> Real:
@@ -293,7 +294,7 @@ def risk_ratio(pressure: Real, onsets: Onsets) -> Real:
     return _risk_ratio(*_two_reaches(pressure, onsets))
 
 
-def same_number(onsets: Sequence[Onsets]) -> list[Onsets]:
+def padded_onsets(onsets: Sequence[Onsets]) -> list[Onsets]:
     """Onsets of several contacts, filled up to the same number with ends that none reaches."""
     most = max(len(one) for one in onsets)
     return [

@@ -17,9 +17,9 @@ from ..contact import (
     ThreadContactSide,
     contact_frames,
     onset_pressures,
+    padded_onsets,
     pressure_ratio,
     risk_ratio,
-    same_number,
     share_within,
     truncation,
 )
@@ -304,7 +304,7 @@ class TruncatedFatigue(eqx.Module):
             return jnp.ones_like(load)
         # Both sides in one call: half the program size.
         sides, risks, shares = zip(*ending, strict=True)
-        onsets = same_number([side.onsets for side in sides])
+        onsets = padded_onsets([side.onsets for side in sides])
         sides = [SideOnset(s.reference, one) for s, one in zip(sides, onsets, strict=True)]
         several = jax.tree.map(lambda *x: jnp.stack(x), *zip(sides, risks, shares, strict=True))
         all_grown = jnp.sum(jax.vmap(grown)(*several), axis=0)

@@ -421,3 +421,43 @@ def test_damage_by_ends_that_are_not_a_number_is_none():
         spectrum = strength.constant_load(array(10.0), array(load))
         assert np.all(np.isfinite(strength.damage(one, None, spectrum, fatigue)))
         assert np.all(np.isnan(strength.damage(one, None, spectrum, unknown)))
+
+
+@pytest.mark.parametrize("present", [(True, True), (True, False), (False, True), (False, False)])
+def test_sides_with_different_numbers_of_ends(present):
+    """One end on the screw side, two on the nut side, or no end: as each side by itself."""
+    sides = [
+        strength.SideOnset(array(1.5e9), (array(1.1e9),)),
+        strength.SideOnset(array(1.2e9), (array(1.3e9), array(0.9e9))),
+    ]
+    risks, loads = (array(2e-3), array(3e-3)), np.asarray([0.0, 5e3, 2e4, 8e4])
+    given = tuple(one if there else None for one, there in zip(sides, present, strict=True))
+    fatigue = strength.TruncatedFatigue(given, risks, 1.1, array(5e4))
+
+    def factor(load):
+        return fatigue.load_factor(load)
+
+    grown = 0.0
+    for side, risk in zip(given, risks, strict=True):
+        if side is not None:
+            scale = 1.1 * loads / 1e4
+            ratios = [
+                1.0
+                if load == 0
+                else _risk_by_bisection(
+                    [float(o) / (float(side.reference) * k ** (1 / 3)) for o in side.onsets]
+                )
+                for load, k in zip(loads, scale, strict=True)
+            ]
+            grown = grown + float(risk / (risks[0] + risks[1])) * (np.asarray(ratios) - 1)
+    expected = (1 + grown) ** 0.3 * np.ones(4)
+    np.testing.assert_allclose(factor(jnp.asarray(loads)), expected, rtol=1e-9)
+    # No derivative of an end that is not there is infinite or not a number.
+    second = jax.vmap(jax.hessian(factor))(jnp.asarray(loads))
+    assert np.all(np.isfinite(second))
+
+
+def _risk_by_bisection(reaches):
+    """σ¹⁰ (1 − Σ w(t/σ)) with σ by bisection and w by quadrature."""
+    ratio = pressure_ratio_by_bisection(reaches)
+    return ratio**10 * (1 - sum(lamina_risk(min(t / ratio, 1.0)) for t in reaches))
