@@ -10,6 +10,7 @@ from ._one_program import (
     is_known as is_known,
     one_program as one_program,
     one_program_where_possible as one_program_where_possible,
+    read_program_soon as read_program_soon,
     traceable as traceable,
 )
 from ._origin import origin_of as origin_of

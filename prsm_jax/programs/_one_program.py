@@ -1,8 +1,9 @@
 """Public functions that run as one compiled program, wherever they are called from."""
 
 import functools
+import inspect
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import equinox as eqx
 import jax
@@ -11,7 +12,7 @@ import numpy as np
 from jax.core import Tracer
 
 from ._origin import origin_of
-from ._stored import is_foreign, run_stored, runs_one_verb
+from ._stored import is_foreign, read_soon, run_stored, runs_one_verb
 
 _Params = ParamSpec("_Params")
 _Return = TypeVar("_Return")
@@ -98,7 +99,7 @@ def one_program_where_possible(function: Callable[_Params, _Return]) -> Callable
     With one that is not hashable, the part runs operation by operation.
     """
     program = eqx.filter_jit(function)
-    name = ".".join(origin_of(function))
+    name = _name_of(function)
     foreign = is_foreign(function)
 
     anyhow: Callable[..., _Return] = function
@@ -115,6 +116,24 @@ def one_program_where_possible(function: Callable[_Params, _Return]) -> Callable
         return program(*args, **kwargs)
 
     return run
+
+
+def _name_of(function: Callable[..., Any]) -> str:
+    return ".".join(origin_of(function))
+
+
+def read_program_soon(function: Callable[..., Any], *args: Any, **kwargs: Any) -> None:
+    """Begin to read the stored program of a public function, beside other work.
+
+    Only in a process that runs one verb; elsewhere nothing is done.
+
+    **Arguments:**
+
+    - `function`: made by `one_program_where_possible`.
+    - `args`, `kwargs`: `traceable` arguments, as those of the later call.
+    """
+    if runs_one_verb() and _can_be_kept((args, kwargs)) and is_known((args, kwargs)):
+        read_soon(_name_of(inspect.unwrap(function)), args, kwargs)
 
 
 def _can_be_kept(tree) -> bool:

@@ -15,7 +15,9 @@ import hashlib
 import os
 import pickle
 import platform
+import threading
 from collections.abc import Callable, Generator, Hashable
+from concurrent.futures import Future
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -88,6 +90,8 @@ def _key(question: tuple[Any, ...]) -> str:
 _one_verb = False
 #: Programs that this process has used, by name, structure and static leaves of the arguments.
 _used: dict[tuple[Any, ...], _Program] = {}
+#: Programs that another thread is reading, by the same.
+_being_read: dict[tuple[Any, ...], Future[_Program]] = {}
 
 
 def run_one_verb() -> None:
@@ -111,6 +115,35 @@ def has_stored(name: str, *args: Any) -> bool:
     """Whether this process has already used this stored program."""
     leaves, structure = jax.tree.flatten(args)
     return (name, structure, *map(_described, leaves)) in _used
+
+
+def read_soon(name: str, *args: Any) -> None:
+    """Begin to read a stored program that `run_stored` will need, beside other work.
+
+    A large one takes up to a second, nearly all of it outside Python. Without such a program, or
+    where `run_stored` would not look for one, nothing is done.
+
+    **Arguments:** those of `run_stored`.
+    """
+    folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
+    if not folder or not _is_known(args):
+        return
+    leaves, structure = jax.tree.flatten(args)
+    question = (name, structure, *map(_described, leaves))
+    path = _path(name, structure, question[2:])
+    if question in _used or question in _being_read or path is None or not path.exists():
+        return
+    found: Future[_Program] = Future()
+    _being_read[question] = found
+
+    def read() -> None:
+        try:
+            found.set_result(_loaded(path))
+        except BaseException as error:
+            # It is raised where the program is needed, which then compiles its own.
+            found.set_exception(error)
+
+    threading.Thread(target=read, name="read a program", daemon=True).start()
 
 
 def run_stored(name: str, function: Callable[..., Any], *args: Any, words: str = "call") -> Any:
@@ -138,8 +171,9 @@ def run_stored(name: str, function: Callable[..., Any], *args: Any, words: str =
         if path is None:
             return eqx.filter_jit(function)(*args)
         # A stored program that was changed, or that this JAX cannot run, is compiled again.
+        being_read = _being_read.pop((name, structure, *static), None)
         with contextlib.suppress(Exception):
-            program = _loaded(path)
+            program = _loaded(path) if being_read is None else being_read.result()
             results = jax.block_until_ready(program(arrays))
             _used[name, structure, *static] = program
             return results

@@ -1,9 +1,11 @@
 """A process that runs one verb uses stored programs, and finds the same as one that traces."""
 
 import pickle
+import threading
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scenes import example
@@ -11,7 +13,7 @@ from scenes import example
 import prsm_jax as prsm
 from prsm_jax.findings import _margin
 from prsm_jax.mechanism import set_parameters
-from prsm_jax.programs import _stored
+from prsm_jax.programs import _stored, one_program_where_possible, read_program_soon
 
 
 @pytest.fixture
@@ -142,6 +144,60 @@ def test_an_optimisation_reads_its_stored_programs(one_verb, usual, traced_again
         assert found.converged
         assert found.optimum.variables == pytest.approx(expected.optimum.variables, rel=1e-9)
     assert first.evaluations == second.evaluations
+
+
+def _sum_of_sine_and_cosine(angle):
+    return jnp.sin(angle) + jnp.cos(angle)
+
+
+@pytest.fixture
+def stored_function(monkeypatch):
+    """A small function whose program is stored, as those of the package are."""
+    module = _sum_of_sine_and_cosine.__module__.partition(".")[0]
+    monkeypatch.setattr(_stored, "_KNOWN", {*_stored._KNOWN, module})
+    return one_program_where_possible(_sum_of_sine_and_cosine)
+
+
+def test_a_program_is_read_beside_other_work(
+    one_verb, usual, traced_again, stored_function, monkeypatch
+):
+    """By another thread, once, for the call with the same kind of arguments and no other."""
+    angle, threads = jnp.asarray(0.3), []
+    loaded = _stored._loaded
+
+    def load(path):
+        threads.append(threading.current_thread() is threading.main_thread())
+        return loaded(path)
+
+    monkeypatch.setattr(_stored, "_loaded", load)
+    # There is none yet, and in a process that runs longer none is looked for.
+    read_program_soon(stored_function, angle)
+    first = stored_function(angle)
+    usual(lambda: read_program_soon(stored_function, angle))
+    assert threads == [True]
+    traced_again()
+    for _ in range(2):
+        read_program_soon(stored_function, angle)
+    assert stored_function(angle) == first == jnp.sin(0.3) + jnp.cos(0.3)
+    assert threads == [True, False]
+    assert not _stored._being_read
+    # It is in use now: nothing is left to read.
+    read_program_soon(stored_function, angle)
+    assert not _stored._being_read
+    with pytest.raises(pytest.fail.Exception, match="traced again"):
+        stored_function(jnp.asarray([0.3]))
+
+
+def test_a_program_that_cannot_be_read_is_compiled_where_it_is_needed(one_verb, stored_function):
+    angle = jnp.asarray(0.3)
+    first = stored_function(angle)
+    (stored,) = one_verb.iterdir()
+    whole = stored.read_bytes()
+    stored.write_bytes(whole[:-1])
+    _stored._used.clear()
+    read_program_soon(stored_function, angle)
+    assert stored_function(angle) == first
+    assert len(stored.read_bytes()) == len(whole)
 
 
 def test_programs_that_two_workers_share_are_written_whole(tmp_path):
