@@ -41,7 +41,12 @@ from ._quotient import (
     inverse_root as inverse_root,
     quotient as quotient,
 )
-from ._root import find_root as find_root, find_root_of as find_root_of
+from ._root import (
+    FirstEvaluation as FirstEvaluation,
+    find_root as find_root,
+    find_root_by_secants as find_root_by_secants,
+    find_root_of as find_root_of,
+)
 from ._small_solve import solve_small as solve_small
 from ._stretches import over_samples as over_samples
 from ._transposed import with_transpose as with_transpose

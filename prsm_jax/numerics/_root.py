@@ -8,15 +8,18 @@ every program here: this is three times as fast to trace, and twice as fast to r
 
 import functools
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax.custom_derivatives import SymbolicZero
 from jax.extend.core import ClosedJaxpr, jaxpr_as_fun
-from jaxtyping import Array, Bool
+from jaxtyping import Array, Bool, Int
 
 from ._types import Scalar
+
+#: Least distance of the first two points of a search by secants.
+_LEAST_SPACING = 1e-6
 
 
 def _search(
@@ -75,8 +78,10 @@ def find_root(
     def with_derivative(constants, unknown):
         return jax.jvp(lambda x: residual(constants, x), (unknown,), (jnp.ones_like(unknown),))
 
-    start = jax.lax.stop_gradient(guess)
-    root, converged = _root(residual, with_derivative, tolerance, max_steps, closed.consts, start)
+    def search(constants, start):
+        return _search(lambda x: with_derivative(constants, x), start, tolerance, max_steps)
+
+    root, converged = _root(residual, search, closed.consts, jax.lax.stop_gradient(guess))
     return root, converged > 0.5
 
 
@@ -100,26 +105,124 @@ def find_root_of(
 
     **Returns:** the root (the last iterate if not converged), and whether it converged.
     """
-    root, converged = _root(
-        lambda arguments, unknown: residual(arguments, unknown)[0],
-        residual,
-        tolerance,
-        max_steps,
-        arguments,
-        jax.lax.stop_gradient(guess),
-    )
+
+    def value(arguments, unknown):
+        return residual(arguments, unknown)[0]
+
+    def search(arguments, start):
+        return _search(lambda x: residual(arguments, x), start, tolerance, max_steps)
+
+    root, converged = _root(value, search, arguments, jax.lax.stop_gradient(guess))
     return root, converged > 0.5
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
-def _root(residual, with_derivative, tolerance, max_steps, arguments, guess):
-    return _search(lambda x: with_derivative(arguments, x), guess, tolerance, max_steps)
+class FirstEvaluation(NamedTuple):
+    """What a function was where a search began; without derivatives."""
+
+    value: Scalar
+    valid: Bool[Array, ""]
+
+
+def find_root_by_secants(
+    function: Callable[[Scalar], tuple[Scalar, Bool[Array, ""]]],
+    guess: Scalar,
+    second_guess: Callable[[Scalar], Scalar],
+    *,
+    tolerance: float,
+    max_steps: int,
+) -> tuple[Scalar, Bool[Array, ""], FirstEvaluation]:
+    """Root of a function whose derivative is expensive, because it contains a search of its own.
+
+    The search evaluates the function alone, in one loop: Newton's method would need its derivative
+    there, and a value before and after it. Derivatives of the root are those of `find_root`.
+
+    **Arguments:**
+
+    - `function`: the residual, and whether it is valid; may close over traced numbers.
+    - `guess`: starting value.
+    - `second_guess`: where to evaluate next, from the value there.
+    - `tolerance`: on the last step, absolute and relative; the remaining error is about its product
+      with the step before.
+    - `max_steps`: evaluations allowed.
+
+    **Returns:** the root, whether it was found with a valid function, and the first evaluation.
+    """
+    closed = jax.make_jaxpr(function)(guess)
+    evaluate = jaxpr_as_fun(ClosedJaxpr(_with_constants_as_inputs(closed), ()))
+
+    def value(constants, unknown):
+        return evaluate(*constants, unknown)[0]
+
+    def search(constants, start):
+        def goes_on(carry):
+            # NaN ends the search, and does not count as found.
+            return (carry.size > tolerance) & (carry.steps < max_steps)
+
+        def advance(carry):
+            found, valid = evaluate(*constants, carry.at)
+            first = carry.steps == 0
+            ahead = second_guess(found) - carry.at
+            # Two equal points have no secant.
+            ahead = jnp.where(jnp.abs(ahead) < _LEAST_SPACING, _LEAST_SPACING, ahead)
+            secant = (found - carry.value_before) / (carry.at - carry.before)
+            step = jnp.where(first, ahead, -found / secant)
+            following = carry.at + step
+            size = jnp.where(first, jnp.inf, jnp.abs(step) / (1 + jnp.abs(following)))
+            return _Secants(
+                following,
+                carry.at,
+                found,
+                jnp.where(jnp.isnan(found), jnp.nan, size),
+                valid,
+                carry.steps + 1,
+                jnp.where(first, found, carry.first_value),
+                jnp.where(first, valid, carry.first_valid),
+            )
+
+        zero, no = jnp.zeros_like(start), jnp.asarray(False)
+        begin = _Secants(
+            start, start - 1, zero, zero + jnp.inf, no, jnp.zeros((), jnp.int32), zero, no
+        )
+        last = jax.lax.while_loop(goes_on, advance, begin)
+        converged = (last.size <= tolerance) & last.valid
+        of_real = [one.astype(start.dtype) for one in (converged, last.first_valid)]
+        return last.at, of_real[0], last.first_value, of_real[1]
+
+    root, converged, first, valid = _root(
+        value, search, closed.consts, jax.lax.stop_gradient(guess)
+    )
+    return root, converged > 0.5, FirstEvaluation(first, valid > 0.5)
+
+
+class _Secants(NamedTuple):
+    """State of `find_root_by_secants`."""
+
+    at: Scalar
+    before: Scalar
+    value_before: Scalar
+    size: Scalar
+    valid: Bool[Array, ""]
+    steps: Int[Array, ""]
+    first_value: Scalar
+    first_valid: Bool[Array, ""]
+
+
+def _with_constants_as_inputs(closed: ClosedJaxpr):
+    jaxpr = closed.jaxpr
+    return jaxpr.replace(constvars=[], invars=[*jaxpr.constvars, *jaxpr.invars])
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def _root(residual, search, arguments, guess):
+    """The root, and further real numbers of the search that have no derivatives."""
+    return search(arguments, guess)
 
 
 @functools.partial(_root.defjvp, symbolic_zeros=True)
-def _root_derivative(residual, with_derivative, tolerance, max_steps, primals, tangents):
+def _root_derivative(residual, search, primals, tangents):
     arguments, guess = primals
-    root, converged = _root(residual, with_derivative, tolerance, max_steps, arguments, guess)
+    root, *others = _root(residual, search, arguments, guess)
+    no_change = [jnp.zeros_like(one) for one in others]
     leaves, structure = jax.tree.flatten(arguments)
     changes = structure.flatten_up_to(tangents[0])
     # Constant numbers are not differentiated: half the program size if one of eight varies.
@@ -129,7 +232,7 @@ def _root_derivative(residual, with_derivative, tolerance, max_steps, primals, t
         if jnp.issubdtype(leaf.dtype, jnp.inexact) and not isinstance(change, SymbolicZero)
     ]
     if not varying:
-        return (root, converged), (jnp.zeros_like(root), jnp.zeros_like(converged))
+        return (root, *others), (jnp.zeros_like(root), *no_change)
 
     def at_root(values, unknown):
         new = dict(zip(varying, values, strict=True))
@@ -141,4 +244,4 @@ def _root_derivative(residual, with_derivative, tolerance, max_steps, primals, t
     partials, slope = jax.grad(at_root, argnums=(0, 1))([leaves[i] for i in varying], root)
     products = [part * changes[i] for i, part in zip(varying, partials, strict=True)]
     change = functools.reduce(jnp.add, (jnp.sum(x) if x.ndim else x for x in products))
-    return (root, converged), (-change / slope, jnp.zeros_like(converged))
+    return (root, *others), (-change / slope, *no_change)

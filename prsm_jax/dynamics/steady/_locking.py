@@ -13,7 +13,6 @@ import functools
 from typing import Any
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
@@ -21,12 +20,12 @@ from ...contact import load_of
 from ...fields import Scalar
 from ...friction import Friction, scaled_friction
 from ...mechanism import Mechanism, Stage
-from ...numerics import dot_few, find_root
+from ...numerics import dot_few, find_root_by_secants
 from ...programs import physics
 from .._kinematics import StageKinematics
 from ..friction import law_inputs_of, slip_direction, thread_friction, with_resistance
 from ._carrier_balance import balanced_carrier_ratio, free_slip, slip_per_turn
-from ._steady import JAMMED, SteadyState, some_load, steady_state
+from ._steady import JAMMED, some_load, steady_state
 from ._two_sliding_sides import two_sliding_sides
 
 
@@ -204,21 +203,21 @@ def self_locking_margin(
         return jnp.ones_like(load), jnp.asarray(True)
     kinematics = tuple(dataclasses.replace(k, resistance=None) for k in kinematics)
 
-    def driven_back(logarithm: Scalar) -> SteadyState:
+    def driven_back(logarithm: Scalar) -> tuple[Scalar, Bool[Array, ""]]:
         moved = _scaled(mechanism, jnp.exp(logarithm))
-        return steady_state(moved, -speed, load, kinematics, onset=-1.0)
+        found = steady_state(moved, -speed, load, kinematics, onset=-1.0)
+        # Thread friction may not suffice to drive carriers whose losses have grown as well.
+        return found.efficiency, found.computed
 
-    def efficiency_at(logarithm: Scalar) -> Scalar:
-        return driven_back(logarithm).efficiency
+    def estimate(efficiency: Scalar) -> Scalar:
+        # Efficiency against friction is nearly a hyperbola, 1 − s μ/μ_lock over 1 + s μ/μ_jam.
+        return jnp.log(jnp.clip(1 / jnp.clip(1 - efficiency, 1e-6, 1e3), 1e-2, 1e6))
 
-    # Efficiency against friction is nearly a hyperbola, 1 − s μ/μ_lock over 1 + s μ/μ_jam.
-    as_given = driven_back(jnp.zeros_like(load))
-    unscaled = as_given.efficiency
-    start = jnp.log(jnp.clip(1 / jnp.clip(1 - unscaled, 1e-6, 1e3), 1e-2, 1e6))
-    accuracy = 1e-12 if start.dtype == jnp.float64 else 1e-5
-    logarithm, converged = find_root(efficiency_at, start, tolerance=accuracy, max_steps=40)
-    # Thread friction may not suffice to drive carriers whose losses have grown as well.
-    converged = converged & driven_back(logarithm).computed
-    rounding = 10 * jnp.finfo(start.dtype).eps
-    no_friction = (jax.lax.stop_gradient(unscaled) >= 1 - rounding) & as_given.computed
+    # The error left is about the product of the last two steps.
+    accuracy = 1e-9 if load.dtype == jnp.float64 else 1e-5
+    logarithm, converged, as_given = find_root_by_secants(
+        driven_back, jnp.zeros_like(load), estimate, tolerance=accuracy, max_steps=60
+    )
+    rounding = 10 * jnp.finfo(load.dtype).eps
+    no_friction = (as_given.value >= 1 - rounding) & as_given.valid
     return jnp.where(no_friction, 1.0, 1 - jnp.exp(-logarithm)), converged | no_friction
