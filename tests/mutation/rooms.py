@@ -25,6 +25,7 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ),
     ("contact/stress/_axis_stress", "analytic/subsurface"),
     ("contact/special_functions/_carlson", "analytic/subsurface"),
+    ("contact/special_functions/_incomplete", "analytic/subsurface gradients/every_number"),
     ("contact/_truncation", "analytic/truncation gradients/truncation"),
     ("contact/_edge_pressure", "analytic/edge_pressure"),
     ("contact/_slip_and_spin", "analytic/slip_and_spin analytic/spin_losses analytic/steady"),

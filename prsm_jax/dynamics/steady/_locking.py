@@ -203,21 +203,24 @@ def self_locking_margin(
         return jnp.ones_like(load), jnp.asarray(True)
     kinematics = tuple(dataclasses.replace(k, resistance=None) for k in kinematics)
 
-    def driven_back(logarithm: Scalar) -> tuple[Scalar, Bool[Array, ""]]:
-        moved = _scaled(mechanism, jnp.exp(logarithm))
+    def driven_back(inverse: Scalar) -> tuple[Scalar, Bool[Array, ""]]:
+        moved = _scaled(mechanism, 1 / inverse)
         found = steady_state(moved, -speed, load, kinematics, onset=-1.0)
+        # Efficiency against friction is nearly a hyperbola, 1 − s μ/μ_lock over 1 + s μ/μ_jam; this
+        # is then a straight line in 1/s.
+        useful = found.efficiency / (1 - found.efficiency)
         # Thread friction may not suffice to drive carriers whose losses have grown as well.
-        return found.efficiency, found.computed
+        return useful, found.computed & (inverse > 0)
 
-    def estimate(efficiency: Scalar) -> Scalar:
-        # Efficiency against friction is nearly a hyperbola, 1 − s μ/μ_lock over 1 + s μ/μ_jam.
-        return jnp.log(jnp.clip(1 / jnp.clip(1 - efficiency, 1e-6, 1e3), 1e-2, 1e6))
+    def estimate(useful: Scalar) -> Scalar:
+        # 1/s is 1 less the efficiency where losses are proportional to friction.
+        return jnp.clip(1 / (1 + useful), 1e-6, 1e2)
 
     # The error left is about the product of the last two steps.
     accuracy = 1e-9 if load.dtype == jnp.float64 else 1e-5
-    logarithm, converged, as_given = find_root_by_secants(
-        driven_back, jnp.zeros_like(load), estimate, tolerance=accuracy, max_steps=60
+    inverse, converged, as_given = find_root_by_secants(
+        driven_back, jnp.ones_like(load), estimate, tolerance=accuracy, max_steps=60
     )
     rounding = 10 * jnp.finfo(load.dtype).eps
-    no_friction = (as_given.value >= 1 - rounding) & as_given.valid
-    return jnp.where(no_friction, 1.0, 1 - jnp.exp(-logarithm)), converged | no_friction
+    no_friction = (as_given.value >= 1 / rounding) & as_given.valid
+    return jnp.where(no_friction, 1.0, 1 - inverse), converged | no_friction
