@@ -10,6 +10,7 @@ from ._check import (
     check_from as check_from,
     check_numbers as check_numbers,
     margin_numbers as margin_numbers,
+    read_check_soon as read_check_soon,
 )
 from ._margin import (
     Margin as Margin,

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 from ..fields import Scalar
 from ..geometry import Finding
 from ..mechanism import Mechanism, of_one_known_design
-from ..programs import one_program_where_possible
+from ..programs import one_program_where_possible, read_program_soon
 from ..quantities import Analysis
 from . import (
     _axis,
@@ -84,6 +84,16 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
 def margin_numbers(mechanism: Mechanism) -> CheckNumbers:
     """`check_numbers`, compiled once for each structure of a mechanism and set of sources."""
     return _numbers_by(sources(), mechanism)
+
+
+def read_check_soon(mechanism: Mechanism) -> None:
+    """Begin to read the stored program of `check`, beside other work; see `read_program_soon`.
+
+    **Arguments:**
+
+    - `mechanism`: with the structure of that which will be checked.
+    """
+    read_program_soon(_numbers_by, sources(), mechanism)
 
 
 def check_from(mechanism: Mechanism, numbers: CheckNumbers) -> tuple[Finding, ...]:

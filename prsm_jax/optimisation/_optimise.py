@@ -7,7 +7,15 @@ from typing import Any, Literal
 import numpy as np
 
 from ..fields import Scalar
-from ..mechanism import Constraint, DesignProblem, Mechanism, Variable, of_one_known_design
+from ..findings import read_check_soon
+from ..mechanism import (
+    Constraint,
+    DesignProblem,
+    Mechanism,
+    Variable,
+    of_one_known_design,
+    set_parameters,
+)
 from ..quantities import QuantityLike
 from ._choices import best_of_choices, choices_of
 from ._problem import number, present_design, problem_of, robust
@@ -182,6 +190,11 @@ def _of_fixed_choices(
     searches.watch = watch
     bounds_only = not search.accepts_constraints
     evaluator.guard(bounds_only)
+    # Of the optimum, which has the structure of any other design of the problem.
+    names = [variable.name for variable in problem.variables]
+    read_check_soon(
+        set_parameters(mechanism, dict(zip(names, present, strict=True)), checked=False)
+    )
     searches.run_all(search, _progress(positions, progress is True))
     if bounds_only and requested == "auto" and evaluator.margins.smooth and not searches.converged:
         # A margin may have stopped the search; a search with constraints can move along it.

@@ -137,9 +137,18 @@ def test_an_optimisation_reads_its_stored_programs(one_verb, usual, traced_again
 
     expected, first = usual(run), run()
     traced_again()
+    loaded, beside = _stored._loaded, []
+
+    def load(path):
+        beside.append(threading.current_thread() is not threading.main_thread())
+        return loaded(path)
+
+    monkeypatch.setattr(_stored, "_loaded", load)
     # Shapes and names of margins are read, too.
     monkeypatch.setattr(eqx, "filter_eval_shape", lambda *_: pytest.fail("shapes traced again"))
     second = run()
+    # Values are needed at once; derivatives and the check of the optimum are read meanwhile.
+    assert sorted(beside) == [False, True, True]
     for found in (first, second):
         assert found.converged
         assert found.optimum.variables == pytest.approx(expected.optimum.variables, rel=1e-9)
