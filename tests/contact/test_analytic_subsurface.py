@@ -80,7 +80,8 @@ def _by_quadrature(square, depth, order):
             return factor * mpmath.sin(angle) ** power * rest / delta ** (order + mpmath.mpf(1) / 2)
 
         ends = [0, top / 2, top * 0.9, top * 0.99, top]
-        return [float(mpmath.quad(lambda a, p=p: density(a, p), ends)) for p in (2, 0)]
+        found = [mpmath.quad(lambda a, p=p: density(a, p), ends) for p in (2, 0)]
+        return [float(mpmath.mpf(one)) for one in found]
 
 
 @jax.jit

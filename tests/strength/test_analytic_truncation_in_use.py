@@ -431,7 +431,7 @@ def test_sides_with_different_numbers_of_ends(present):
         strength.SideOnset(array(1.2e9), (array(1.3e9), array(0.9e9))),
     ]
     risks, loads = (array(2e-3), array(3e-3)), np.asarray([0.0, 5e3, 2e4, 8e4])
-    given = tuple(one if there else None for one, there in zip(sides, present, strict=True))
+    given = sides[0] if present[0] else None, sides[1] if present[1] else None
     fatigue = strength.TruncatedFatigue(given, risks, 1.1, array(5e4))
 
     def factor(load):
