@@ -295,7 +295,12 @@ def risk_ratio(pressure: Real, onsets: Onsets) -> Real:
 
 
 def padded_onsets(onsets: Sequence[Onsets]) -> list[Onsets]:
-    """Onsets of several contacts, filled up to the same number with ends that none reaches."""
+    """Onsets of several contacts, all with the same number of ends: added ones are never reached.
+
+    **Arguments:**
+
+    - `onsets`: from `onset_pressures`, at least one for each contact.
+    """
     most = max(len(one) for one in onsets)
     return [
         one + tuple(jnp.full_like(one[0], _NEVER_REACHED) for _ in range(most - len(one)))

@@ -91,7 +91,7 @@ def read_check_soon(mechanism: Mechanism) -> None:
 
     **Arguments:**
 
-    - `mechanism`: with the structure of that which will be checked.
+    - `mechanism`: has the same structure as the mechanism that will be checked.
     """
     read_program_soon(_numbers_by, sources(), mechanism)
 

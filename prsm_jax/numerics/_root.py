@@ -133,8 +133,8 @@ def find_root_by_secants(
 ) -> tuple[Scalar, Bool[Array, ""], FirstEvaluation]:
     """Root of a function whose derivative is expensive, because it contains a search of its own.
 
-    The search evaluates the function alone, in one loop: Newton's method would need its derivative
-    there, and a value before and after it. Derivatives of the root are those of `find_root`.
+    The search is one loop that evaluates the function and not its derivative, which Newton's method
+    needs; it also returns the first value. The root is differentiable like that of `find_root`.
 
     **Arguments:**
 
@@ -148,10 +148,13 @@ def find_root_by_secants(
     **Returns:** the root, whether it was found with a valid function, and the first evaluation.
     """
     closed = jax.make_jaxpr(function)(guess)
-    evaluate = jaxpr_as_fun(ClosedJaxpr(_with_constants_as_inputs(closed), ()))
+    jaxpr = closed.jaxpr
+
+    def evaluate(constants, unknown):
+        return jaxpr_as_fun(ClosedJaxpr(jaxpr, constants))(unknown)
 
     def value(constants, unknown):
-        return evaluate(*constants, unknown)[0]
+        return evaluate(constants, unknown)[0]
 
     def search(constants, start):
         def goes_on(carry):
@@ -159,7 +162,7 @@ def find_root_by_secants(
             return (carry.size > tolerance) & (carry.steps < max_steps)
 
         def advance(carry):
-            found, valid = evaluate(*constants, carry.at)
+            found, valid = evaluate(constants, carry.at)
             first = carry.steps == 0
             ahead = second_guess(found) - carry.at
             # Two equal points have no secant.
@@ -205,11 +208,6 @@ class _Secants(NamedTuple):
     steps: Int[Array, ""]
     first_value: Scalar
     first_valid: Bool[Array, ""]
-
-
-def _with_constants_as_inputs(closed: ClosedJaxpr):
-    jaxpr = closed.jaxpr
-    return jaxpr.replace(constvars=[], invars=[*jaxpr.constvars, *jaxpr.invars])
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))

@@ -17,9 +17,9 @@ _Pair = tuple[Scalar, Scalar]
 def incomplete_elliptic_integrals(square: Scalar, depth: Scalar) -> _Pair:
     """∫ sin²θ/Δ dθ and ∫ cos²θ/Δ dθ from 0 to arccot ζ, with Δ² = 1 − (1 − κ²) sin²θ.
 
-    By the duplications of Carlson's integrals, which are regular at κ = 1. Derivatives are not
-    those of the duplications in reverse: by ζ they are elementary, `−sin²θ/Δ/(1 + ζ²)` at the
-    upper limit, and those by κ² are computed with the integrals, forwards. Differentiable to any
+    Carlson's duplications (DLMF 19.36) compute them and are regular at κ = 1. Derivatives by ζ are
+    elementary: the integrand at the upper limit times −1/(1 + ζ²). Derivatives by κ² come from the
+    duplications in forward mode, also where JAX differentiates in reverse. Differentiable to any
     order.
 
     **Arguments:**

@@ -206,15 +206,15 @@ def self_locking_margin(
     def driven_back(inverse: Scalar) -> tuple[Scalar, Bool[Array, ""]]:
         moved = _scaled(mechanism, 1 / inverse)
         found = steady_state(moved, -speed, load, kinematics, onset=-1.0)
-        # Efficiency against friction is nearly a hyperbola, 1 − s μ/μ_lock over 1 + s μ/μ_jam; this
-        # is then a straight line in 1/s.
-        useful = found.efficiency / (1 - found.efficiency)
+        # The efficiency is nearly (1 − s μ/μ_lock)/(1 + s μ/μ_jam); useful over lost power is then
+        # linear in 1/s.
+        useful_over_lost = found.efficiency / (1 - found.efficiency)
         # Thread friction may not suffice to drive carriers whose losses have grown as well.
-        return useful, found.computed & (inverse > 0)
+        return useful_over_lost, found.computed & (inverse > 0)
 
-    def estimate(useful: Scalar) -> Scalar:
+    def estimate(useful_over_lost: Scalar) -> Scalar:
         # 1/s is 1 less the efficiency where losses are proportional to friction.
-        return jnp.clip(1 / (1 + useful), 1e-6, 1e2)
+        return jnp.clip(1 / (1 + useful_over_lost), 1e-6, 1e2)
 
     # The error left is about the product of the last two steps.
     accuracy = 1e-9 if load.dtype == jnp.float64 else 1e-5
