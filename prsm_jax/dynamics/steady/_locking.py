@@ -209,8 +209,9 @@ def self_locking_margin(
         # The efficiency is nearly (1 − s μ/μ_lock)/(1 + s μ/μ_jam); useful over lost power is then
         # linear in 1/s.
         useful_over_lost = found.efficiency / (1 - found.efficiency)
-        # Thread friction may not suffice to drive carriers whose losses have grown as well.
-        return useful_over_lost, found.computed & (inverse > 0)
+        # Thread friction may not suffice to drive carriers whose losses have grown as well. Where no
+        # friction holds the load the root is at a negative one, beyond the thread's jamming.
+        return useful_over_lost, found.computed
 
     def estimate(useful_over_lost: Scalar) -> Scalar:
         # 1/s is 1 less the efficiency where losses are proportional to friction.

@@ -96,6 +96,17 @@ def test_factor_of_all_friction_of_two_stages(factor):
     assert (margin > 0) == (factor < 20)
 
 
+def test_a_load_that_no_friction_holds_has_no_margin():
+    """Only the first of two stages has friction, and the second one goes on turning the screw."""
+    two = mechanism(stage(), stage(friction=Friction(), geometry=thread(5e-3)))
+    for factor in (1.0, 1e3, 1e6):
+        held = prsm.set_parameter(two, "stage.1." + COEFFICIENT, 0.05 * factor)
+        assert float(steady_state(held, -100.0).efficiency) > 0.008
+    found, valid = _margins(two)
+    assert not bool(valid)
+    assert np.isfinite(float(found["self_locking_margin"]))
+
+
 def test_every_loss_takes_part():
     losses = mechanism(
         stage(friction=FIRST_STAGE_LOSSES), stage(friction=ALL_LOSSES, geometry=thread(5e-3))
