@@ -1,11 +1,13 @@
 """Entry point: one line on stderr and exit status 2 for errors that the user can correct."""
 
 import gc
+import os
 import sys
 from collections.abc import Sequence
 
 from .._errors import PrsmError, missing_extra
 from ..process import clear_first, end_on_signals, keep_result, remove_empty_folders
+from ..programs import works_beside
 from ..text import printable
 from ._plugins import has_plugins, load_plugin, without_plugins
 from ._progress import erase_for_good, progress
@@ -44,6 +46,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         gc.disable()
     if message:
         print(f"prsm: {printable(' '.join(message.split()))}", file=sys.stderr)
+    if arguments is None and works_beside():
+        # The compiler may be at work for a program that an error has made useless. Python would
+        # destroy what that thread uses.
+        sys.stderr.flush()
+        os._exit(status)
     return status
 
 

@@ -10,7 +10,7 @@ from .._errors import MissingDataError, PrsmError
 from ..fields import Scalar, refuse_options
 from ..mechanism import Mechanism, of_one_design
 from ..numerics import over_samples
-from ..programs import is_known, one_program_where_possible, traceable
+from ..programs import is_known, repeated_program, traceable
 from ..scenario import TorqueScenario, check_scenario
 from ._kinematics import StageKinematics, free_carrier_ratio
 from .forces import Scenario, default_scenario, drive_once
@@ -206,7 +206,7 @@ def _settings(
     return Settings(method, gradient, **options)
 
 
-@one_program_where_possible
+@repeated_program
 def _transient(
     mechanism: Mechanism,
     scenario: Scenario | TorqueScenario,

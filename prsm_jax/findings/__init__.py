@@ -10,7 +10,7 @@ from ._check import (
     check_from as check_from,
     check_numbers as check_numbers,
     margin_numbers as margin_numbers,
-    read_check_soon as read_check_soon,
+    prepare_check as prepare_check,
 )
 from ._margin import (
     Margin as Margin,

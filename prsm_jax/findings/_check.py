@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 from ..fields import Scalar
 from ..geometry import Finding
 from ..mechanism import Mechanism, of_one_known_design
-from ..programs import one_program_where_possible, read_program_soon
+from ..programs import one_program_where_possible, prepare_program
 from ..quantities import Analysis
 from . import (
     _axis,
@@ -86,14 +86,14 @@ def margin_numbers(mechanism: Mechanism) -> CheckNumbers:
     return _numbers_by(sources(), mechanism)
 
 
-def read_check_soon(mechanism: Mechanism) -> None:
-    """Begin to read the stored program of `check`, beside other work; see `read_program_soon`.
+def prepare_check(mechanism: Mechanism) -> None:
+    """Begin to read or compile the program of `check`, beside other work; see `prepare_program`.
 
     **Arguments:**
 
     - `mechanism`: has the same structure as the mechanism that will be checked.
     """
-    read_program_soon(_numbers_by, sources(), mechanism)
+    prepare_program(_numbers_by, sources(), mechanism)
 
 
 def check_from(mechanism: Mechanism, numbers: CheckNumbers) -> tuple[Finding, ...]:

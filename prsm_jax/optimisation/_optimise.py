@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..fields import Scalar
-from ..findings import read_check_soon
+from ..findings import prepare_check
 from ..mechanism import (
     Constraint,
     DesignProblem,
@@ -173,6 +173,9 @@ def _of_fixed_choices(
 
     evaluator = _evaluator(mechanism, problem, counts, speed, load, respect_findings)
     report = Reporter(evaluator, problem)
+    # Of the optimum, which has the structure of any other design of the problem.
+    names = [variable.name for variable in problem.variables]
+    prepare_check(set_parameters(mechanism, dict(zip(names, present, strict=True)), checked=False))
     initial = (present - evaluator.lower) / evaluator.width
     seed = problem.seed if seed is None else seed
     positions = list(starting_positions(initial, count, seed))
@@ -190,11 +193,6 @@ def _of_fixed_choices(
     searches.watch = watch
     bounds_only = not search.accepts_constraints
     evaluator.guard(bounds_only)
-    # Of the optimum, which has the structure of any other design of the problem.
-    names = [variable.name for variable in problem.variables]
-    read_check_soon(
-        set_parameters(mechanism, dict(zip(names, present, strict=True)), checked=False)
-    )
     searches.run_all(search, _progress(positions, progress is True))
     if bounds_only and requested == "auto" and evaluator.margins.smooth and not searches.converged:
         # A margin may have stopped the search; a search with constraints can move along it.

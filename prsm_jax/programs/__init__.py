@@ -10,16 +10,21 @@ from ._one_program import (
     is_known as is_known,
     one_program as one_program,
     one_program_where_possible as one_program_where_possible,
-    read_program_soon as read_program_soon,
+    prepare_program as prepare_program,
+    repeated_program as repeated_program,
     traceable as traceable,
+)
+from ._one_verb import (
+    beside as beside,
+    run_one_verb as run_one_verb,
+    runs_one_verb as runs_one_verb,
+    works_beside as works_beside,
 )
 from ._origin import origin_of as origin_of
 from ._physics import physics as physics, traced_physics as traced_physics
 from ._precision import to_precision as to_precision
 from ._stored import (
     has_stored as has_stored,
-    run_one_verb as run_one_verb,
     run_stored as run_stored,
-    runs_one_verb as runs_one_verb,
     stored_facts as stored_facts,
 )

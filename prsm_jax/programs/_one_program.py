@@ -11,12 +11,15 @@ import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 
+from ._one_verb import runs_one_verb
 from ._origin import origin_of
-from ._stored import is_foreign, read_soon, run_stored, runs_one_verb
+from ._stored import is_foreign, prepare, run_stored
 
 _Params = ParamSpec("_Params")
 _Return = TypeVar("_Return")
 _Tree = TypeVar("_Tree")
+#: Functions whose programs run often.
+_repeated: set[Callable[..., Any]] = set()
 
 
 def one_program(function: Callable[_Params, _Return]) -> Callable[_Params, _Return]:
@@ -92,28 +95,46 @@ def is_known(tree: object) -> bool:
     return not any(isinstance(leaf, Tracer) for leaf in leaves)
 
 
-def one_program_where_possible(function: Callable[_Params, _Return]) -> Callable[_Params, _Return]:
+def one_program_where_possible(
+    function: Callable[_Params, _Return], *, repeated: bool = False
+) -> Callable[_Params, _Return]:
     """A part of a public function as one compiled program; its arguments must be `traceable`.
 
     Functions among them are compared by hash and equality, not by what they do: they must be pure.
     With one that is not hashable, the part runs operation by operation.
+
+    **Arguments:**
+
+    - `function`: the part.
+    - `repeated`: whether a process that runs one verb runs it often, or for long.
     """
     program = eqx.filter_jit(function)
     name = _name_of(function)
     foreign = is_foreign(function)
-
-    anyhow: Callable[..., _Return] = function
-
-    def of_pair(args, kwargs) -> _Return:
-        return anyhow(*args, **kwargs)
+    of_pair = _of_pair(function)
 
     @functools.wraps(function)
     def run(*args: _Params.args, **kwargs: _Params.kwargs) -> _Return:
         if not _can_be_kept((args, kwargs)):
             return function(*args, **kwargs)
         if runs_one_verb() and not foreign and is_known((args, kwargs)):
-            return run_stored(name, of_pair, args, kwargs, words=function.__name__)
+            words = function.__name__
+            return run_stored(name, of_pair, args, kwargs, words=words, repeated=repeated)
         return program(*args, **kwargs)
+
+    if repeated:
+        _repeated.add(function)
+    return run
+
+
+def repeated_program(function: Callable[_Params, _Return]) -> Callable[_Params, _Return]:
+    """As `one_program_where_possible`, for a part that runs often, or for long, after compiling."""
+    return one_program_where_possible(function, repeated=True)
+
+
+def _of_pair(function: Callable[..., _Return]) -> Callable[..., _Return]:
+    def run(args, kwargs) -> _Return:
+        return function(*args, **kwargs)
 
     return run
 
@@ -122,8 +143,8 @@ def _name_of(function: Callable[..., Any]) -> str:
     return ".".join(origin_of(function))
 
 
-def read_program_soon(function: Callable[..., Any], *args: Any, **kwargs: Any) -> None:
-    """Begin to read the stored program of a public function, beside other work.
+def prepare_program(function: Callable[..., Any], *args: Any, **kwargs: Any) -> None:
+    """Begin to read or compile the stored program of a public function, beside other work.
 
     Only in a process that runs one verb; elsewhere nothing is done.
 
@@ -133,7 +154,9 @@ def read_program_soon(function: Callable[..., Any], *args: Any, **kwargs: Any) -
     - `args`, `kwargs`: `traceable` arguments, as those of the later call.
     """
     if runs_one_verb() and _can_be_kept((args, kwargs)) and is_known((args, kwargs)):
-        read_soon(_name_of(inspect.unwrap(function)), args, kwargs)
+        plain = inspect.unwrap(function)
+        words, repeated = plain.__name__, plain in _repeated
+        prepare(_name_of(plain), _of_pair(plain), args, kwargs, words=words, repeated=repeated)
 
 
 def _can_be_kept(tree) -> bool:

@@ -1,6 +1,5 @@
 """The catalogue of quantities: the vocabulary of sensitivities, optimisation, sweeps, reports."""
 
-import functools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -14,7 +13,7 @@ from jaxtyping import Array, Bool, Int
 from .._errors import MissingDataError, UnknownNameError, closest
 from ..fields import Scalar, listed_names
 from ..mechanism import Mechanism, of_one_design
-from ..programs import one_program, origin_of
+from ..programs import one_program, origin_of, stored_facts
 from ._analysis import Analysis, SharedLoad
 from ._assumptions import known_assumption, sentences
 from ._functions import OfMechanism, name_of_function
@@ -344,17 +343,16 @@ def available_quantities(
     **Raises:** `UnknownNameError` for an unknown name in `among`.
     """
     candidates = tuple(find_quantity(name) for name in (_CATALOGUE if among is None else among))
-    shapes = eqx.filter_eval_shape(lambda *arguments: arguments, mechanism, speed, load)
-    leaves, structure = jax.tree.flatten(shapes)
-    return _available(structure, tuple(leaves), candidates)
-
-
-@functools.lru_cache(maxsize=64)
-def _available(
-    structure, leaves: tuple[Any, ...], candidates: tuple[Quantity, ...]
-) -> tuple[str, ...]:
+    names = tuple(candidate.name for candidate in candidates)
     # Which data exist depends only on the structure; a trace takes seconds.
+    return stored_facts("available", _available, mechanism, speed, load, names, by=candidates)
+
+
+def _available(
+    mechanism: Mechanism, speed: Scalar | None, load: Scalar | None, among: tuple[str, ...]
+) -> tuple[str, ...]:
     names: list[str] = []
+    candidates = [find_quantity(name) for name in among]
 
     def try_all(mechanism: Mechanism, speed, load):
         # One trace for all: quantities share their intermediate results.
@@ -366,7 +364,7 @@ def _available(
                 continue
             names.append(candidate.name)
 
-    eqx.filter_eval_shape(try_all, *jax.tree.unflatten(structure, leaves))
+    eqx.filter_eval_shape(try_all, mechanism, speed, load)
     return tuple(names)
 
 

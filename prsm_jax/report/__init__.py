@@ -74,6 +74,7 @@ from .results import (
     ReportData as ReportData,
     analyse as analyse,
     origin_of_file as origin_of_file,
+    with_optimisation as with_optimisation,
 )
 from .study_charts import (
     conflict_maps as conflict_maps,

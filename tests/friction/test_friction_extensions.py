@@ -198,10 +198,10 @@ def test_a_plugin_that_cannot_be_loaded(plugin, words, tmp_path, capsys, monkeyp
 def test_stored_programs_are_not_those_of_a_plugin(monkeypatch, tmp_path):
     """A plugin may change between two runs; what it computes is compiled anew."""
     from prsm_jax.cli import _plugins, _programs
-    from prsm_jax.programs import _stored
+    from prsm_jax.programs import _files
 
     monkeypatch.setattr(_plugins, "_loaded", [sys])
-    monkeypatch.setattr(_stored, "_key", lambda *_: pytest.fail("asked for a stored program"))
+    monkeypatch.setattr(_files, "_key", lambda *_: pytest.fail("asked for a stored program"))
     found = _programs.run_stored("one", lambda m: {"x": jnp.ones(())}, example("wu2022"))
     assert float(found["x"]) == 1.0
 
@@ -228,13 +228,13 @@ def test_two_plugins_of_one_name_are_two(tmp_path, monkeypatch):
 
 
 def test_stored_programs_are_not_those_of_a_users_own_classes(monkeypatch):
-    from prsm_jax.programs import _stored
+    from prsm_jax.programs import _files, _stored
 
     class Own(prsm.FrictionLaw):
         def friction_coefficient(self, sliding):  # pyright: ignore[reportIncompatibleMethodOverride]
             return 0.1
 
-    monkeypatch.setattr(_stored, "_key", lambda *_: pytest.fail("asked for a stored program"))
+    monkeypatch.setattr(_files, "_key", lambda *_: pytest.fail("asked for a stored program"))
     _stored.run_stored(
         "one", lambda m: {"x": jnp.ones(())}, mechanism(stage(friction=Friction(Own())))
     )

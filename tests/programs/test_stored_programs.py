@@ -1,7 +1,10 @@
 """A process that runs one verb uses stored programs, and finds the same as one that traces."""
 
 import pickle
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
 import equinox as eqx
 import jax
@@ -13,14 +16,22 @@ from scenes import example
 import prsm_jax as prsm
 from prsm_jax.findings import _margin
 from prsm_jax.mechanism import set_parameters
-from prsm_jax.programs import _stored, one_program_where_possible, read_program_soon
+from prsm_jax.programs import (
+    _one_verb,
+    _stored,
+    one_program_where_possible,
+    prepare_program,
+    repeated_program,
+    works_beside,
+)
+from prsm_jax.programs._call import Call
 
 
 @pytest.fixture
 def one_verb(monkeypatch, tmp_path):
     """As in a process of its own, with an empty folder of stored programs."""
     before = getattr(jax.config, "jax_compilation_cache_dir")  # noqa: B009
-    monkeypatch.setattr(_stored, "_one_verb", True)
+    monkeypatch.setattr(_one_verb, "_one_verb", True)
     monkeypatch.setattr(_stored, "_used", {})
     jax.config.update("jax_compilation_cache_dir", str(tmp_path))
     yield tmp_path / "programs"
@@ -33,7 +44,7 @@ def traced_again(monkeypatch):
 
     def refuse():
         _stored._used.clear()
-        monkeypatch.setattr(_stored, "_compiled", lambda *_: pytest.fail("traced again"))
+        monkeypatch.setattr(Call, "_compiled", lambda _: pytest.fail("traced again"))
 
     return refuse
 
@@ -44,7 +55,7 @@ def usual(monkeypatch):
 
     def run(function):
         with monkeypatch.context() as patch:
-            patch.setattr(_stored, "_one_verb", False)
+            patch.setattr(_one_verb, "_one_verb", False)
             return function()
 
     return run
@@ -137,19 +148,14 @@ def test_an_optimisation_reads_its_stored_programs(one_verb, usual, traced_again
 
     expected, first = usual(run), run()
     traced_again()
-    loaded, path_of, names, beside = _stored._loaded, _stored._path, {}, {}
+    loaded, beside = Call.loaded, {}
 
-    def path_with_name(name, *question):
-        path = path_of(name, *question)
-        names[path] = name.rpartition(".")[2]
-        return path
+    def load(call):
+        name = call.question[0].rpartition(".")[2]
+        beside[name] = threading.current_thread() is not threading.main_thread()
+        return loaded(call)
 
-    def load(path):
-        beside[names[path]] = threading.current_thread() is not threading.main_thread()
-        return loaded(path)
-
-    monkeypatch.setattr(_stored, "_path", path_with_name)
-    monkeypatch.setattr(_stored, "_loaded", load)
+    monkeypatch.setattr(Call, "loaded", load)
     # Shapes and names of margins are read, too.
     monkeypatch.setattr(eqx, "filter_eval_shape", lambda *_: pytest.fail("shapes traced again"))
     second = run()
@@ -173,34 +179,95 @@ def stored_function(monkeypatch):
     return one_program_where_possible(_sum_of_sine_and_cosine)
 
 
-def test_a_program_is_read_beside_other_work(
-    one_verb, usual, traced_again, stored_function, monkeypatch
+@pytest.fixture
+def work(monkeypatch):
+    """What has been done for programs, and whether the main thread did it."""
+    done = []
+
+    def record(name):
+        before = getattr(Call, name)
+
+        def run(call):
+            found = before(call)
+            done.append((name, threading.current_thread() is threading.main_thread()))
+            return found
+
+        monkeypatch.setattr(Call, name, run)
+
+    record("loaded")
+    record("compiled")
+    return done
+
+
+def test_a_program_is_prepared_beside_other_work(
+    one_verb, usual, traced_again, stored_function, work
 ):
     """By another thread, once, for the call with the same kind of arguments and no other."""
-    angle, threads = jnp.asarray(0.3), []
-    loaded = _stored._loaded
-
-    def load(path):
-        threads.append(threading.current_thread() is threading.main_thread())
-        return loaded(path)
-
-    monkeypatch.setattr(_stored, "_loaded", load)
-    # There is none yet, and in a process that runs longer none is looked for.
-    read_program_soon(stored_function, angle)
-    first = stored_function(angle)
-    usual(lambda: read_program_soon(stored_function, angle))
-    assert threads == [True]
-    traced_again()
+    angle = jnp.asarray(0.3)
+    # In a process that runs longer nothing is prepared.
+    usual(lambda: prepare_program(stored_function, angle))
+    assert not _stored._prepared
     for _ in range(2):
-        read_program_soon(stored_function, angle)
-    assert stored_function(angle) == first == jnp.sin(0.3) + jnp.cos(0.3)
-    assert threads == [True, False]
-    assert not _stored._being_read
-    # It is in use now: nothing is left to read.
-    read_program_soon(stored_function, angle)
-    assert not _stored._being_read
+        prepare_program(stored_function, angle)
+    first = stored_function(angle)
+    assert first == jnp.sin(0.3) + jnp.cos(0.3)
+    assert work == [("compiled", False)]
+    assert len(list(one_verb.iterdir())) == 1
+    # Now there is a stored one.
+    traced_again()
+    work.clear()
+    for _ in range(2):
+        prepare_program(stored_function, angle)
+    assert stored_function(angle) == first
+    assert work == [("loaded", False)]
+    assert not _stored._prepared
+    # It is in use: nothing is left to prepare.
+    prepare_program(stored_function, angle)
+    assert not _stored._prepared
+    assert not works_beside()
     with pytest.raises(pytest.fail.Exception, match="traced again"):
         stored_function(jnp.asarray([0.3]))
+
+
+def test_programs_that_run_often_are_optimised(one_verb, stored_function, monkeypatch):
+    """Others are compiled in less time, unless the user's flags say how to compile."""
+    monkeypatch.setenv("XLA_FLAGS", "")
+    options, compiled = [], Call._options
+
+    def record(call):
+        options.append(compiled(call))
+        return options[-1]
+
+    monkeypatch.setattr(Call, "_options", record)
+    brief = {"xla_backend_optimization_level": 0, "xla_cpu_parallel_codegen_split_count": 1}
+    often = repeated_program(_sum_of_sine_and_cosine)
+    stored_function(jnp.asarray(0.3))
+    often(jnp.asarray([0.3]))
+    prepare_program(often, jnp.asarray([0.3, 0.4]))
+    often(jnp.asarray([0.3, 0.4]))
+    assert options == [brief, {}, {}]
+    monkeypatch.setenv("XLA_FLAGS", "--xla_backend_optimization_level=3")
+    stored_function(jnp.asarray([[0.3]]))
+    assert options[-1] == {"xla_cpu_parallel_codegen_split_count": 1}
+
+
+def test_the_process_does_not_wait_for_a_program_that_is_not_needed():
+    """Python would destroy what the compiler uses: the process ends at once, with all output."""
+    script = """
+import atexit, sys
+sys.argv = ["prsm", "quantities"]
+from prsm_jax.cli import _main
+_main.works_beside = lambda: True
+atexit.register(print, "Python ended")
+sys.exit(_main.main())
+"""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert "self_locking_margin" in run.stdout
+    assert "Python ended" not in run.stdout
+    other = script.replace("True", "False")
+    run = subprocess.run([sys.executable, "-c", other], capture_output=True, text=True)
+    assert "Python ended" in run.stdout
 
 
 def test_a_program_that_cannot_be_read_is_compiled_where_it_is_needed(one_verb, stored_function):
@@ -210,7 +277,7 @@ def test_a_program_that_cannot_be_read_is_compiled_where_it_is_needed(one_verb, 
     whole = stored.read_bytes()
     stored.write_bytes(whole[:-1])
     _stored._used.clear()
-    read_program_soon(stored_function, angle)
+    prepare_program(stored_function, angle)
     assert stored_function(angle) == first
     assert len(stored.read_bytes()) == len(whole)
 
@@ -220,7 +287,7 @@ def test_programs_that_two_workers_share_are_written_whole(tmp_path):
     from jax._src.lru_cache import LRUCache
 
     names = []
-    whole = _stored.Path.write_bytes
+    whole = Path.write_bytes
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
             "pathlib.Path.write_bytes",

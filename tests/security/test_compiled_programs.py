@@ -13,7 +13,7 @@ import pytest
 
 from prsm_jax.cli._compiled import keep_compiled_programs
 from prsm_jax.process import others_can_write
-from prsm_jax.programs import _stored
+from prsm_jax.programs import _files
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="owners and permissions of POSIX")
 _STRANGER = 12345
@@ -59,7 +59,7 @@ def stranger(monkeypatch):
 def test_an_own_program_is_read(planted):
     """The attempts below fail for no other reason than the owner and the permissions."""
     path, mark = planted
-    pickle.loads(_stored._read(path))
+    pickle.loads(_files.read(path))
     assert mark.read_text() == "run"
 
 
@@ -70,7 +70,7 @@ def test_a_program_that_others_can_write_is_refused(planted, which, mode):
     place = path if which == "file" else path.parent
     place.chmod(0o700 | mode)
     with pytest.raises(ValueError, match="is not read: others can write to it"):
-        _stored._read(path)
+        _files.read(path)
     assert not mark.exists()
 
 
@@ -78,7 +78,7 @@ def test_a_program_of_another_user_is_refused(planted, stranger):
     path, mark = planted
     stranger()
     with pytest.raises(ValueError, match="is not read: it belongs to another user"):
-        _stored._read(path)
+        _files.read(path)
     assert not mark.exists()
 
 
@@ -86,19 +86,19 @@ def test_programs_are_written_for_this_user_alone(tmp_path):
     path = tmp_path / "cache" / "programs" / "key"
     before = os.umask(0)
     try:
-        _stored._write(path, b"program")
+        _files.write(path, b"program")
     finally:
         os.umask(before)
     assert path.stat().st_mode & 0o777 == 0o600
     assert path.parent.stat().st_mode & 0o777 == 0o700
-    assert _stored._read(path) == b"program"
+    assert _files.read(path) == b"program"
 
 
 def test_nothing_is_written_where_others_can_write(tmp_path):
     path = tmp_path / "programs" / "key"
     path.parent.mkdir()
     path.parent.chmod(0o777)
-    _stored._write(path, b"program")
+    _files.write(path, b"program")
     assert not path.exists()
 
 

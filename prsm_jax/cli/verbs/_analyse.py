@@ -3,8 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import equinox as eqx
-
 from ...dynamics import STEADY_RESULTS, SteadyState, steady_meaning, steady_state
 from ...findings import check_from, check_values, status_of, strength_checks_from
 from ...mechanism import Mechanism, OperatingPoint
@@ -17,7 +15,6 @@ from .._progress import doing, expect_programs
 from .._tables import Line, TextTable, in_units, prose, terminal_width
 
 _DEFAULT = Common()
-_steady_state = eqx.filter_jit(steady_state)
 
 
 @app.command
@@ -133,7 +130,7 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
         tables = _steady_tables(file, results)
     else:
         expect_programs("steady_state")
-        state = _steady_state(mechanism)
+        state = steady_state(mechanism)
         results = told(plain(steady_results(state, mechanism.operating_point)))
         tables = _steady_tables(file, results)
         pictures = _steady_pictures(common.out, state) if results["valid"] else ()

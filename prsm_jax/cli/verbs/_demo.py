@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import equinox as eqx
 from cyclopts import Parameter
 
 from ..._errors import PrsmError
 from ...mechanism import Mechanism, written_out
+from ...programs import beside, one_program_where_possible
 from ...quantities import assumptions, available_quantities
 from .._app import app
 from .._common import Common, emit, plain
@@ -42,7 +42,7 @@ _OF_STRENGTH = (
     *("buckling_safety", "critical_speed_margin"),
 )
 # The search for the largest stress is slow if it is not compiled.
-_contact_results = eqx.filter_jit(contact_results)
+_contact_results = one_program_where_possible(contact_results)
 
 
 def _all_results(data: "ReportData") -> dict[str, Any]:
@@ -174,7 +174,7 @@ def demo(
     """
     from ...file import loads
     from ...optimisation import optimise
-    from ...report import analyse, summarise_optimisation, write_report
+    from ...report import analyse, summarise_optimisation, with_optimisation, write_report
     from ...sensitivities import DEFAULT_QUANTITIES, sensitivity
 
     began = time.perf_counter()
@@ -194,6 +194,10 @@ def demo(
         *("_numbers", "compiled_values", "compiled_derivatives"),
         *(*_PROGRAMS, "contact_results", "_numbers"),
     )
+    folder = Path("out/demo") if common.out is None else common.out
+    command = _command("demo", file, folder, common, signed)
+    # Most of the time goes into compiling, which two threads do at once.
+    before = beside(analyse, mechanism, source=file, command=command, origin=origin)
     say("differentiating: exact sensitivities to " + ", ".join(v.name for v in problem.variables))
     table = sensitivity(
         mechanism,
@@ -214,16 +218,7 @@ def demo(
     files = {"optimised.toml": text} if best.feasible else {}
 
     say("analysing both designs: contact, vibration, steady state, transient")
-    folder = Path("out/demo") if common.out is None else common.out
-    data = analyse(
-        mechanism,
-        source=file,
-        command=_command("demo", file, folder, common, signed),
-        sensitivity=table,
-        optimisation=summarise_optimisation(best),
-        improved=improved,
-        origin=origin,
-    )
+    data = with_optimisation(before(), table, summarise_optimisation(best), improved)
     results = {
         "before": _all_results(data),
         "after": {} if data.improved is None else _all_results(data.improved),

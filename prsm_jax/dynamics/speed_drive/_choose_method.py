@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from ...fields import Scalar
 from ...mechanism import Mechanism, of_one_design
 from ...numerics import over_samples
-from ...programs import is_known, one_program_where_possible, traceable
+from ...programs import is_known, repeated_program, traceable
 from ...scenario import TorqueScenario
 from .._kinematics import StageKinematics
 from ..forces import Scenario, bound_scenario
@@ -121,13 +121,13 @@ def chosen_method(
     return MethodChoice("rosenbrock", "has to be integrated")
 
 
-@one_program_where_possible
+@repeated_program
 def _settling_code(mechanism, scenario, kinematics):
     problem = scene_problem(mechanism, scenario, kinematics)
     return closed_form_history(problem.reduced, problem.scenario, sample_times(problem))[1].code
 
 
-@one_program_where_possible
+@repeated_program
 def _quasi_steady(mechanism, scenario, kinematics):
     problem = scene_problem(mechanism, scenario, kinematics)
     times = sample_times(problem)

@@ -209,8 +209,8 @@ def self_locking_margin(
         # The efficiency is nearly (1 − s μ/μ_lock)/(1 + s μ/μ_jam); useful over lost power is then
         # linear in 1/s.
         useful_over_lost = found.efficiency / (1 - found.efficiency)
-        # Thread friction may not suffice to drive carriers whose losses have grown as well. Where no
-        # friction holds the load the root is at a negative one, beyond the thread's jamming.
+        # Thread friction may not suffice to drive carriers whose losses have grown as well. Where
+        # no friction holds the load the root is negative, where the thread jams.
         return useful_over_lost, found.computed
 
     def estimate(useful_over_lost: Scalar) -> Scalar:

@@ -16,7 +16,7 @@ from ...mechanism import (
     with_traced_counts,
     written_out,
 )
-from ...programs import read_program_soon, stored_facts
+from ...programs import prepare_program, stored_facts
 from ...quantities import compute, find_quantity
 from ._margin_rows import WHOLE_SCALE, MarginRows, known_margins, probe_positions, sorted_margins
 from ._outputs import compiled_derivatives, compiled_values, scatter_of
@@ -98,7 +98,7 @@ class Evaluator:
             scatter,
         )
         # The largest program, and the last one that a search needs.
-        read_program_soon(compiled_derivatives, self._given, jnp.zeros(len(names)))
+        prepare_program(compiled_derivatives, self._given, jnp.zeros(len(names)))
         if problem.nut_speed is not None and speed is not None:
             raise ValueError(
                 f"speed is {float(speed):g} rad/s and nut_speed {problem.nut_speed:g} m/s; give one"

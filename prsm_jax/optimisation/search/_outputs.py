@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from ...fields import Scalar
 from ...findings import evaluate_margins, margins_of, shared_loads
 from ...mechanism import Mechanism, find_parameters, set_parameters, tolerance_zones
-from ...programs import one_program_where_possible
+from ...programs import repeated_program
 from ...quantities import Analysis, find_quantity
 from ._margin_rows import is_constraint
 
@@ -167,13 +167,13 @@ def _analysed(
     return outputs, analysis.computed
 
 
-@one_program_where_possible
+@repeated_program
 def compiled_values(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     """`outputs_at`, compiled."""
     return outputs_at(inputs, position)
 
 
-@one_program_where_possible
+@repeated_program
 def compiled_derivatives(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
     """Derivatives of the arrays of `outputs_at` by the position, variables last."""
     unit = jnp.eye(position.shape[0], dtype=position.dtype)

@@ -3,12 +3,12 @@
 import math
 from dataclasses import dataclass
 
-import equinox as eqx
 from jaxtyping import Array
 
 from ...fields import Scalar
 from ...geometry import Meshing, flanks_end
 from ...mechanism import Stage
+from ...programs import one_program_where_possible
 from ...strength import EndReach, end_reaches
 
 
@@ -42,7 +42,7 @@ class FlankLine:
         return sign * math.sqrt(square), sign * math.sqrt(1 - square)
 
 
-@eqx.filter_jit
+@one_program_where_possible
 def _reaches(stage: Stage, load: Scalar, meshing: Meshing | None) -> list[tuple[EndReach, Array]]:
     return [(one, one.half_extent(load)) for one in end_reaches(stage, meshing)]
 

@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from typing import Any
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
 from ...fields import Scalar
+from ...programs import one_program_where_possible
 from ...strength import LoadSpectrum, TruncatedFatigue
 from ...text import display_unit, in_unit, number
 from .._parts import WHITE, aside, plain_ticks
@@ -106,7 +106,7 @@ def life_chart(
 _POINTS, _TIMES = 64, 4
 
 
-@eqx.filter_jit
+@one_program_where_possible
 def _comparable_load(fatigue: TruncatedFatigue, forces: Array, capacity: Array) -> Array:
     return fatigue.comparable_load(forces, capacity)
 

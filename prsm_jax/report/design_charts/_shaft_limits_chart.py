@@ -9,6 +9,7 @@ import numpy as np
 
 from ...fields import Scalar
 from ...mechanism import END_CONDITIONS, ScrewShaft, Stage, material_of
+from ...programs import one_program_where_possible
 from ...strength import buckling_load, loaded_length, permissible_speed, unsupported_length
 from ...text import DisplayUnit, display_unit, in_unit, show
 from .._parts import WHITE, aside, legend_below, plain_ticks
@@ -18,7 +19,7 @@ _SAMPLES = 120
 _DASHES = ("-", (0, (6, 2)), (0, (3, 1.5)), (0, (1, 1.2)))
 
 
-@eqx.filter_jit
+@one_program_where_possible
 def _curves(stage: Stage, lengths):
     load = jax.vmap(lambda length: buckling_load(stage, length))(lengths)
     if not _has_critical_speed(stage):

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-import equinox as eqx
 import jax.numpy as jnp
 
 from ...contact import contact_modulus, line_contact, load_of, thread_contacts
 from ...friction import Sliding
 from ...halfspace import FlankContact, flank_contact, ring_contact
 from ...mechanism import Mechanism, Stage, material_of
+from ...programs import one_program_where_possible
 from ...strength import side_onsets
 from ...text import short_label
 from .._style import Figure, save_figures
@@ -30,10 +30,11 @@ _SIDES = ("screw", "nut")
 #: Friction coefficient for the stress below contacts if the thread has no Coulomb friction.
 _USUAL_FRICTION = 0.1
 
-_flank_contact = eqx.filter_jit(flank_contact)
-_line, _ring_contact = eqx.filter_jit(line_contact), eqx.filter_jit(ring_contact)
-_thread_contacts = eqx.filter_jit(thread_contacts)
-_side_onsets = eqx.filter_jit(side_onsets)
+_flank_contact = one_program_where_possible(flank_contact)
+_line = one_program_where_possible(line_contact)
+_ring_contact = one_program_where_possible(ring_contact)
+_thread_contacts = one_program_where_possible(thread_contacts)
+_side_onsets = one_program_where_possible(side_onsets)
 
 
 def _friction(stage: Stage) -> float:

@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-import equinox as eqx
-
 from ...dynamics import Transient, body_forces
 from ...mechanism import Mechanism
+from ...programs import one_program_where_possible
 from .._style import save_figures
 from ..animations import save_motion_animation
 from ..motion_charts import (
@@ -18,7 +17,7 @@ from ..motion_charts import (
     transient_chart,
 )
 
-_forces = eqx.filter_jit(body_forces)
+_forces = one_program_where_possible(body_forces)
 
 
 def save_transient_pictures(

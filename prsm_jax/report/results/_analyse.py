@@ -4,7 +4,6 @@ import dataclasses
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
-import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array
 
@@ -21,6 +20,7 @@ from ...findings import (
 from ...geometry import Meshing, mesh
 from ...load_sharing import ForceDeflection, LoadDistribution
 from ...mechanism import Mechanism, written_out
+from ...programs import beside, one_program_where_possible
 from ...quantities import Analysis, available_quantities, evaluate, truncated_fatigue_of
 from ...strength import TruncatedFatigue, side_onsets
 from ...text import short_heading
@@ -39,9 +39,10 @@ def words_of_fault(error: Exception) -> str:
 
 
 # Compiled once for each structure of a mechanism: before and after an optimisation share them.
-_meshings = eqx.filter_jit(lambda mechanism: tuple(mesh(s.thread) for s in mechanism.stages))
-_modal = eqx.filter_jit(modal)
-_steady = eqx.filter_jit(steady_state)
+@one_program_where_possible
+def _meshings(mechanism: Mechanism) -> tuple[Meshing, ...]:
+    return tuple(mesh(stage.thread) for stage in mechanism.stages)
+
 
 #: Quantities in the section on strength, as far as the file has their data.
 STRENGTH = (
@@ -70,7 +71,7 @@ STRENGTH = (
 )
 
 
-@eqx.filter_jit
+@one_program_where_possible
 def _contacts(
     mechanism: Mechanism, meshings: tuple[Meshing, ...]
 ) -> tuple[tuple[StageContact, ...], tuple[SideOnsets, ...]]:
@@ -121,23 +122,15 @@ def analyse(
     - `transient`: whether to simulate, where the operating point has a duration.
     - `origin`: the file of the mechanism, and author, revision and date.
     """
-    left_out: list[tuple[str, str]] = []
-    faults: list[tuple[str, str]] = []
     original = mechanism
     if mechanism.design_problem is not None:
         # As after an optimisation, so that both designs use the same programs.
         mechanism = written_out(mechanism, (one.name for one in mechanism.design_problem.variables))
 
-    def attempt(part: str, function: Callable[..., Any], *args) -> Any:
-        try:
-            return function(*args)
-        except (MissingDataError, PrsmError, ValueError) as error:
-            left_out.append((part, str(error)))
-        except Exception as error:
-            # A fault in one part of the report must not lose hours of other work.
-            faults.append((part, words_of_fault(error)))
-        return None
-
+    parts, more = _Parts(), _Parts()
+    attempt = parts.attempt
+    # Programs that take long to compile, beside the others.
+    others = beside(_others, more, mechanism, transient)
     numbers = attempt("checks", margin_numbers, mechanism)
     findings = None
     if numbers is not None:
@@ -149,13 +142,8 @@ def analyse(
     lines = None if contacts is None else attempt("contact", _lines, mechanism, meshings)
     modes = attempt("vibration", _all_modes, mechanism)
     steady = attempt("steady state", _steady_states, mechanism) or (None, None, None)
-    history = attempt("transient", _history, mechanism) if transient else None
-    strength = attempt("strength", _strength, mechanism) or (None, ())
-    shared = attempt("load sharing", _shared, mechanism) or ({}, {})
-    after = None
-    if improved is not None:
-        after = analyse(improved, title=_title_after(optimisation), transient=transient)
-        faults += [(f"{part} {after.title}", words) for part, words in after.faults]
+    history, strength, shared = others()
+    parts.add(more)
     data = ReportData(
         mechanism=original,
         title=short_heading(title or mechanism.title) or "Planetary roller screw mechanism",
@@ -173,9 +161,6 @@ def analyse(
         fatigue=strength[1],
         shared=shared[0],
         deflections=shared[1],
-        sensitivity=sensitivity,
-        optimisation=optimisation,
-        improved=after,
         source=source,
         command=command,
         origin=origin or Origin(),
@@ -183,7 +168,66 @@ def analyse(
     checks = None
     if numbers is not None:
         checks = attempt("checks", _checks, data, mechanism, numbers)
-    return dataclasses.replace(data, checks=checks, left_out=tuple(left_out), faults=tuple(faults))
+    data = dataclasses.replace(
+        data, checks=checks, left_out=tuple(parts.left_out), faults=tuple(parts.faults)
+    )
+    return with_optimisation(data, sensitivity, optimisation, improved, transient=transient)
+
+
+def with_optimisation(
+    data: ReportData,
+    sensitivity: Any,
+    optimisation: Optimisation | None,
+    improved: Mechanism | None,
+    *,
+    transient: bool = True,
+) -> ReportData:
+    """An analysis together with what an optimisation has found.
+
+    **Arguments:**
+
+    - `data`: of `analyse`.
+    - `sensitivity`, `optimisation`, `improved`, `transient`: as for `analyse`.
+    """
+    after, faults = None, data.faults
+    if improved is not None:
+        after = analyse(improved, title=_title_after(optimisation), transient=transient)
+        faults += tuple((f"{part} {after.title}", words) for part, words in after.faults)
+    return dataclasses.replace(
+        data, sensitivity=sensitivity, optimisation=optimisation, improved=after, faults=faults
+    )
+
+
+class _Parts:
+    """Parts of an analysis, of which some are left out."""
+
+    def __init__(self) -> None:
+        #: Names of parts, and why they are left out.
+        self.left_out: list[tuple[str, str]] = []
+        self.faults: list[tuple[str, str]] = []
+
+    def attempt(self, part: str, function: Callable[..., Any], *args: Any) -> Any:
+        """The result of a part, or `None`."""
+        try:
+            return function(*args)
+        except (MissingDataError, PrsmError, ValueError) as error:
+            self.left_out.append((part, str(error)))
+        except Exception as error:
+            # A fault in one part of the report must not lose hours of other work.
+            self.faults.append((part, words_of_fault(error)))
+        return None
+
+    def add(self, others: "_Parts") -> None:
+        """Append what was left out of other parts."""
+        self.left_out += others.left_out
+        self.faults += others.faults
+
+
+def _others(parts: _Parts, mechanism: Mechanism, transient: bool) -> tuple[Any, Any, Any]:
+    """Transient, strength and load sharing."""
+    history = parts.attempt("transient", _history, mechanism) if transient else None
+    strength = parts.attempt("strength", _strength, mechanism) or (None, ())
+    return history, strength, parts.attempt("load sharing", _shared, mechanism) or ({}, {})
 
 
 def _checks(
@@ -209,7 +253,7 @@ def _title_after(optimisation: Optimisation | None) -> str:
 
 def _all_modes(mechanism: Mechanism) -> tuple[Modes, ...]:
     return tuple(
-        _modal(mechanism, stage=i, shapes=True) for i in range(1, len(mechanism.stages) + 1)
+        modal(mechanism, stage=i, shapes=True) for i in range(1, len(mechanism.stages) + 1)
     )
 
 
@@ -219,9 +263,9 @@ def _steady_states(mechanism: Mechanism) -> tuple[SteadyState, SteadyState, Stea
         raise MissingDataError("the mechanism has no operating point; give [operating_point]")
     speed, load = jnp.abs(point.speed), jnp.abs(point.load)
     return (
-        _steady(mechanism, point.speed, point.load),
-        _steady(mechanism, speed, load),
-        _steady(mechanism, -speed, load),
+        steady_state(mechanism, point.speed, point.load),
+        steady_state(mechanism, speed, load),
+        steady_state(mechanism, -speed, load),
     )
 
 
@@ -235,7 +279,7 @@ def _history(mechanism: Mechanism) -> Transient | None:
 _Strength: TypeAlias = tuple[Mapping[str, Array] | None, tuple[TruncatedFatigue | None, ...]]
 
 
-@eqx.filter_jit
+@one_program_where_possible
 def _strengths(mechanism: Mechanism, names: tuple[str, ...]) -> _Strength:
     analysis = Analysis(mechanism)
     values = evaluate(analysis, names)

@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from ...mechanism import AxisShaft, Mechanism, set_parameter
+from ...programs import one_program_where_possible
 from ...quantities import available_quantities, compute
 from ...response import axis_compliance
 from ...vibration import SpatialModes
@@ -49,7 +49,7 @@ def save_axis_pictures(
     if axis is not None and elastic:
         first, last = elastic[0].frequency, elastic[:_MODES][-1].frequency
         hertz = jnp.geomspace(first / 20, 1.5 * last, _FREQUENCIES)
-        compliance = eqx.filter_jit(axis_compliance)(mechanism, hertz)
+        compliance = _axis_compliance(mechanism, hertz)
         drawn["axis-compliance"] = axis_compliance_chart(compliance, modes, held, turning=turning)
     if axis is not None and axis.shaft is not None:
         names = available_quantities(mechanism, tuple(NUT_POSITION_QUANTITIES))
@@ -62,7 +62,10 @@ def save_axis_pictures(
     return save_figures(folder, drawn)
 
 
-@eqx.filter_jit
+_axis_compliance = one_program_where_possible(axis_compliance)
+
+
+@one_program_where_possible
 def _at_positions(mechanism: Mechanism, names: tuple[str, ...], distances):
     def at(distance):
         moved = set_parameter(mechanism, "axis.shaft.nut_distance", distance, checked=False)
