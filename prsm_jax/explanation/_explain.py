@@ -3,8 +3,9 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from .._errors import UnknownNameError, closest
+from .._errors import PrsmError, UnknownNameError, closest
 from ..mechanism import Mechanism, check_one_design
+from ..programs import runs_one_verb, stored_facts
 from ..quantities import assumptions, available_quantities
 from ._account import PROGRAMS, REFUSALS, Account, analysis_of, compiled, number_paths, traced
 from ._explanation import Cost, Explanation, Part, Program
@@ -17,18 +18,35 @@ class _Counted:
     """One program, for the complete mechanism and without each part."""
 
     def __init__(self, name: str, mechanism: Mechanism, time: bool):
+        self.name, self.complete = name, mechanism
         self.analysis = analysis_of(name, mechanism)
         self.time = time
         self.account, self.read = self._count(mechanism, None)
 
     def _count(self, mechanism: Mechanism, same: Account | None) -> tuple[Account, frozenset[Any]]:
-        account, read = traced(self.analysis, mechanism)
+        account, read = self._traced(mechanism)
         if not self.time:
             return account, read
         # A program with as many equations is the same one, and is not compiled again.
         if same is not None and account.equations == same.equations:
             return same, read
         return compiled(self.analysis, mechanism, account.equations), read
+
+    def _traced(self, mechanism: Mechanism) -> tuple[Account, frozenset[Any]]:
+        # In this process nothing is counted twice; the next one finds the counts in a file.
+        if not runs_one_verb():
+            return traced(self.analysis, mechanism)
+        found = stored_facts(f"account of {self.name}", self._told, mechanism, self.complete)
+        if isinstance(found, str):
+            raise PrsmError(found)
+        return found
+
+    def _told(self, mechanism: Mechanism, _: Mechanism) -> tuple[Account, frozenset[Any]] | str:
+        """The count, or why there is none."""
+        try:
+            return traced(self.analysis, mechanism)
+        except REFUSALS as error:
+            return str(error)
 
     def cost(self, place: Place, rest: Mechanism, has_numbers: bool) -> Cost:
         """Cost of the part at a place, whose absence leaves `rest`.

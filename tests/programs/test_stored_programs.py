@@ -14,6 +14,7 @@ import pytest
 from scenes import example
 
 import prsm_jax as prsm
+from prsm_jax.explanation import _explain
 from prsm_jax.findings import _margin
 from prsm_jax.mechanism import set_parameters
 from prsm_jax.programs import (
@@ -109,6 +110,18 @@ def test_a_stored_sensitivity_is_that_of_python(one_verb, usual, traced_again):
     # Other names need another program.
     with pytest.raises(pytest.fail.Exception, match="traced again"):
         prsm.sensitivity(mechanism, names, ["lead", "roller_radius"])
+
+
+def test_the_next_process_reads_what_an_explanation_counted(one_verb, usual, monkeypatch):
+    def run(name):
+        return prsm.explain(example("wu2022"), programs=[name])
+
+    expected = {name: usual(lambda name=name: run(name)) for name in ("steady_state", "modes")}
+    for name, found in expected.items():
+        assert run(name) == found
+    monkeypatch.setattr(_explain, "traced", lambda *_: pytest.fail("traced again"))
+    for name, found in expected.items():
+        assert run(name) == found
 
 
 def _same(found, expected):
