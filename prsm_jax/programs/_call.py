@@ -18,7 +18,7 @@ from ._origin import origin_of
 
 #: Only the compiler works outside Python: two threads would trace no faster than one, and the
 #: program that was asked for first comes first.
-_tracing = threading.Lock()
+_tracing = threading.RLock()
 #: Options for a program that runs once: code that is not optimised, in one piece, takes half to
 #: three quarters of the time to compile and run.
 _FOR_ONE_RUN = {"xla_backend_optimization_level": 0, "xla_cpu_parallel_codegen_split_count": 1}
