@@ -8,7 +8,7 @@ import scenes
 
 from prsm_jax.mechanism import DesignProblem, Nut, Objective, Variable, set_parameters
 from prsm_jax.optimisation import optimise
-from prsm_jax.optimisation.search import Evaluator
+from prsm_jax.optimisation.search import Evaluator, _evaluator
 from prsm_jax.quantities import compute
 from prsm_jax.sweeps import sweep
 
@@ -55,6 +55,43 @@ def test_the_optimum_is_evaluated_by_the_programs_of_the_search():
     assert _described(first.program_inputs) == _described(second.program_inputs)
     position = np.array([0.3, 0.6])
     np.testing.assert_array_equal(first.point(position).values, second.point(position).values)
+
+
+def test_a_long_search_goes_on_without_derivatives(monkeypatch):
+    """The second program gives the values and derivatives of the first, and is compiled beside."""
+    monkeypatch.setattr(_evaluator, "_WITH_DERIVATIVES", 4)
+    asked, prepared = [], []
+    for name in ("compiled_values", "compiled_derivatives"):
+        program = getattr(_evaluator, name)
+
+        def record(inputs, position, name=name, program=program):
+            asked.append(name.removeprefix("compiled_"))
+            return program(inputs, position)
+
+        monkeypatch.setattr(_evaluator, name, record)
+    programs = [_evaluator.compiled_derivatives, _evaluator.compiled_values]
+    monkeypatch.setattr(
+        _evaluator, "prepare_program", lambda function, *_: prepared.append((function, len(asked)))
+    )
+    problem = DesignProblem((Variable("lead", 5e-3, 15e-3),), (Objective("max_pressure"),))
+    search = Evaluator(scenes.frictionless(), problem, None, None, margins=False)
+    positions = np.linspace(0.1, 0.9, 6)[:, None]
+    values = [search.point(one).values for one in positions]
+    assert asked == 4 * ["derivatives"] + 2 * ["values"]
+    # The search needs the first one from the beginning, the other one perhaps.
+    assert prepared == [(programs[0], 0), (programs[1], 2)]
+    assert (search.evaluations, search.derivative_evaluations) == (6, 0)
+    slope = search.jacobian(positions[5])
+    assert asked[6:] == ["derivatives"]
+    again = Evaluator(scenes.frictionless(), problem, None, None, margins=False)
+    for position, value in zip(positions, values, strict=True):
+        # Another program adds in another order.
+        np.testing.assert_allclose(again.point(position).values, value, rtol=1e-14)
+        found = again.jacobian(position)
+    np.testing.assert_allclose(found, slope, rtol=1e-12)
+    # Derivatives come with the first four.
+    assert asked[7:] == 4 * ["derivatives"] + 2 * ["values", "derivatives"]
+    assert (again.evaluations, again.derivative_evaluations) == (6, 6)
 
 
 def _described(inputs):

@@ -191,7 +191,7 @@ def demo(
         raise ValueError(f"{file} has no [optimise] table; give one, or use the example actuator")
 
     expect_programs(
-        *("_numbers", "compiled_values", "compiled_derivatives"),
+        *("_numbers", "compiled_derivatives"),
         *(*_PROGRAMS, "contact_results", "_numbers"),
     )
     folder = Path("out/demo") if common.out is None else common.out

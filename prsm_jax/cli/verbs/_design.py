@@ -75,7 +75,7 @@ def optimise(
     """
     common.check_targets("out/optimise")
     mechanism = common.load(file)
-    expect_programs("compiled_values", "compiled_derivatives")
+    expect_programs("compiled_derivatives")
     from ...optimisation import optimise as run_optimise
 
     best = run_optimise(mechanism, method=method, starts=starts, progress=told_of_search)
@@ -126,7 +126,7 @@ def pareto(
     if a point does not satisfy the optimality conditions.
     """
     mechanism = common.load(file)
-    expect_programs("compiled_values", "compiled_derivatives")
+    expect_programs("compiled_derivatives")
     objectives = [
         *(Objective(name, "maximise") for name in words_of(maximise) or ()),
         *(Objective(name, "minimise") for name in words_of(minimise) or ()),

@@ -116,7 +116,7 @@ def study(
     from ...studies import study as run_study
 
     # Map, front and, for each part that is left out, designs and front.
-    expect_programs("evaluate_chunk", "compiled_values", "compiled_derivatives")
+    expect_programs("evaluate_chunk", "compiled_derivatives")
     folder = Path("out") if common.out is None else common.out
     store = folder / f"{Path(file).stem}-study.zarr"
     with folder_for_results(folder):

@@ -1,11 +1,12 @@
 """The design problem as guarded functions of a point in the unit box, with a cache."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array
 
 from ...fields import Scalar
 from ...findings import sources
@@ -35,24 +36,33 @@ def _shapes(
     return {name: shapes[name].shape for name in quantities}
 
 
+#: Designs that the program with derivatives evaluates. Another program for values alone takes half
+#: the time or less, and seconds to compile.
+_WITH_DERIVATIVES = 500
+
+
 class Point:
     """One evaluated design; derivatives are added on demand."""
 
-    def __init__(self, position: np.ndarray, values: np.ndarray, good: bool):
+    def __init__(
+        self, position: np.ndarray, values: np.ndarray, good: bool, slopes: Sequence[Array] | None
+    ):
         self.position: np.ndarray = position
         self.values: np.ndarray = values
         self.good: bool = good
+        #: Derivatives, where they were calculated with the values.
+        self.slopes: Sequence[Array] | None = slopes
         self.jacobian: np.ndarray | None = None
 
 
 class Evaluator:
     """Cost, constraints and derivatives over the unit box, each design evaluated once.
 
-    Cost and constraints come from one compiled function and their derivatives from another; the
-    mechanism and the bounds are arguments of both, so that another problem with the same names
-    does not compile again; numbers of rollers in `counts` are numbers of the program, not part of
-    it. `cost` and `constraint_values` are in units of `cost_scale` and
-    `row_scale`, typical magnitudes found at the first good design.
+    Cost, constraints and their derivatives come from one compiled function; a long search has
+    another one without derivatives. The mechanism and the bounds are arguments of both, so that
+    another problem with the same names does not compile again; numbers of rollers in `counts` are
+    numbers of the program, not part of it. `cost` and `constraint_values` are in units of
+    `cost_scale` and `row_scale`, typical magnitudes found at the first good design.
     """
 
     def __init__(
@@ -97,7 +107,8 @@ class Evaluator:
             None if problem.nut_speed is None else jnp.asarray(problem.nut_speed, float),
             scatter,
         )
-        # The largest program, and the last one that a search needs.
+        # With tolerances, derivatives take many times as long as values.
+        self._with_derivatives: int = _WITH_DERIVATIVES if scatter is None else 0
         prepare_program(compiled_derivatives, self._given, jnp.zeros(len(names)))
         if problem.nut_speed is not None and speed is not None:
             raise ValueError(
@@ -158,14 +169,22 @@ class Evaluator:
         """The design at a position; the last one is cached."""
         if self._last is not None and np.array_equal(self._last.position, position):
             return self._last
-        arrays, valid = compiled_values(self._given, jnp.asarray(position))
+        (arrays, valid), slopes = self._evaluated(jnp.asarray(position))
         self.evaluations += 1
         values = np.concatenate([np.asarray(array, dtype=float) for array in arrays])
         good = bool(valid) and bool(np.isfinite(values[self._used]).all())
         if good and self.guarded:
             good = not self._breaks_margin(values)
-        self._last = Point(np.array(position), values, good)
+        self._last = Point(np.array(position), values, good, slopes)
         return self._last
+
+    def _evaluated(self, position: Array) -> tuple[Any, Sequence[Array] | None]:
+        """Outputs at a position, and derivatives if the program calculates them."""
+        if self.evaluations < self._with_derivatives:
+            if self.evaluations == self._with_derivatives // 2:
+                prepare_program(compiled_values, self._given, position)
+            return compiled_derivatives(self._given, position)
+        return compiled_values(self._given, position), None
 
     def _breaks_margin(self, values: np.ndarray) -> bool:
         rows = slice(self.rows.explicit, None)
@@ -187,8 +206,10 @@ class Evaluator:
         """Derivatives of all quantities with respect to the position; 0 where not finite."""
         point = self.point(position)
         if point.jacobian is None:
-            arrays = compiled_derivatives(self._given, jnp.asarray(position))
-            jacobian = np.concatenate([np.asarray(rows, dtype=float) for rows in arrays])
+            slopes = point.slopes
+            if slopes is None:
+                _, slopes = compiled_derivatives(self._given, jnp.asarray(position))
+            jacobian = np.concatenate([np.asarray(rows, dtype=float) for rows in slopes])
             self.derivative_evaluations += 1
             if not np.isfinite(jacobian[self._used]).all():
                 point.good = False

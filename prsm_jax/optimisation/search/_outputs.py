@@ -175,16 +175,23 @@ def compiled_values(inputs: tuple[Any, ...], position: Float[Array, " variables"
 
 @repeated_program
 def compiled_derivatives(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
-    """Derivatives of the arrays of `outputs_at` by the position, variables last."""
+    """`outputs_at` with the derivatives of its arrays by the position, variables last.
+
+    With tolerances only the derivatives, and `None` in place of the outputs.
+    """
     unit = jnp.eye(position.shape[0], dtype=position.dtype)
 
     def outputs(point):
-        return outputs_at(inputs, point)[0]
+        arrays, valid = outputs_at(inputs, point)
+        return arrays, (arrays, valid)
 
     if inputs[-1] is not None:
         # Second derivatives: variables one after the other, as the tolerances.
-        columns = jax.lax.map(lambda along: jax.jvp(outputs, (position,), (along,))[1], unit)
-        return [jnp.moveaxis(one, 0, -1) for one in columns]
+        def column(along):
+            return jax.jvp(outputs, (position,), (along,), has_aux=True)[1]
+
+        columns = jax.lax.map(column, unit)
+        return None, [jnp.moveaxis(one, 0, -1) for one in columns]
     # Forward mode: one pass per variable, and there are few variables.
-    _, push = jax.linearize(outputs, position)
-    return jax.vmap(push, out_axes=-1)(unit)
+    _, push, found = jax.linearize(outputs, position, has_aux=True)
+    return found, jax.vmap(push, out_axes=-1)(unit)

@@ -647,6 +647,11 @@ def test_demo(monkeypatch, tmp_path, capsys, feasible):
 
     def analyse(_, **more):
         written.update(more)
+        return before
+
+    def with_optimisation(data, sensitivity, optimisation, improved):
+        assert data is before
+        written.update(sensitivity=sensitivity, optimisation=optimisation, improved=improved)
         return dataclasses.replace(before, improved=after)
 
     def write(folder, data, *, attachments, on_fault):
@@ -664,6 +669,7 @@ def test_demo(monkeypatch, tmp_path, capsys, feasible):
         "prsm_jax.sensitivities.sensitivity", lambda *_, **more: asked.update(more) or table
     )
     monkeypatch.setattr(report, "analyse", analyse)
+    monkeypatch.setattr(report, "with_optimisation", with_optimisation)
     monkeypatch.setattr(report, "write_report", write)
     monkeypatch.setenv("COLUMNS", "300")
     monkeypatch.chdir(tmp_path)
