@@ -171,11 +171,15 @@ def _of_fixed_choices(
     options = problem.method_options if method is None else ()
     search = search_of(requested, bool(problem.constraints) or worst, max_iterations, options)
 
-    evaluator = _evaluator(mechanism, problem, counts, speed, load, respect_findings)
-    report = Reporter(evaluator, problem)
-    # Of the optimum, which has the structure of any other design of the problem.
     names = [variable.name for variable in problem.variables]
-    prepare_check(set_parameters(mechanism, dict(zip(names, present, strict=True)), checked=False))
+    placed = dict(zip(names, present, strict=True))
+
+    def prepare() -> None:
+        # Of the optimum, which has the structure of any other design of the problem.
+        prepare_check(set_parameters(mechanism, placed, checked=False))
+
+    evaluator = _evaluator(mechanism, problem, counts, speed, load, respect_findings, prepare)
+    report = Reporter(evaluator, problem)
     initial = (present - evaluator.lower) / evaluator.width
     seed = problem.seed if seed is None else seed
     positions = list(starting_positions(initial, count, seed))
@@ -229,11 +233,14 @@ def _evaluator(
     speed: Scalar | None,
     load: Scalar | None,
     margins: bool,
+    meanwhile: Callable[[], None],
 ) -> Evaluator:
     """With a program that takes `counts` as numbers, if there is one."""
     if counts:
         try:
-            shared = Evaluator(mechanism, problem, speed, load, margins=margins, counts=counts)
+            shared = Evaluator(
+                mechanism, problem, speed, load, margins=margins, counts=counts, meanwhile=meanwhile
+            )
             if not shared.evaluations:
                 # The first call makes the program.
                 shared.point(np.full(shared.variables, 0.5))
@@ -242,7 +249,7 @@ def _evaluator(
             pass
         else:
             return shared
-    return Evaluator(mechanism, problem, speed, load, margins=margins)
+    return Evaluator(mechanism, problem, speed, load, margins=margins, meanwhile=meanwhile)
 
 
 def _progress(positions: list[np.ndarray], progress: bool):

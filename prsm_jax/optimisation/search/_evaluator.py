@@ -1,6 +1,6 @@
 """The design problem as guarded functions of a point in the unit box, with a cache."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import equinox as eqx
@@ -62,7 +62,8 @@ class Evaluator:
     another one without derivatives. The mechanism and the bounds are arguments of both, so that
     another problem with the same names does not compile again; numbers of rollers in `counts` are
     numbers of the program, not part of it. `cost` and `constraint_values` are in units of
-    `cost_scale` and `row_scale`, typical magnitudes found at the first good design.
+    `cost_scale` and `row_scale`, typical magnitudes found at the first good design. `meanwhile` is
+    called when the program may still be compiling, before the first evaluation.
     """
 
     def __init__(
@@ -74,6 +75,7 @@ class Evaluator:
         *,
         margins: bool = True,
         counts: Mapping[str, float | int] | None = None,
+        meanwhile: Callable[[], None] | None = None,
     ):
         names = tuple(variable.name for variable in problem.variables)
         terms = (*problem.objectives, *problem.constraints)
@@ -143,6 +145,8 @@ class Evaluator:
         #: Whether a design that violates a margin is unusable: for searches with bounds only.
         self.guarded: bool = False
         self.margins: MarginRows = MarginRows()
+        if meanwhile is not None:
+            meanwhile()
         if known:
             points = [self.point(p) for p in probe_positions(len(names))]
             values = np.stack([point.values[self.rows.first_margin :] for point in points])
