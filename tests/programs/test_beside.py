@@ -1,5 +1,6 @@
 """Calculations in other threads, of a process that runs one verb."""
 
+import dataclasses
 import threading
 
 import pytest
@@ -7,6 +8,7 @@ from scenes import example
 
 from prsm_jax.programs import _one_verb, beside, works_beside
 from prsm_jax.report import analyse
+from prsm_jax.report.results import _analyse
 
 
 @pytest.fixture(params=[True, False])
@@ -58,3 +60,20 @@ def test_an_analysis_by_two_threads_is_that_of_one(monkeypatch):
     assert one.transient is not None
     assert float(two.transient.solver.steps) == float(one.transient.solver.steps)
     assert [c.to_dict() for c in two.checks or ()] == [c.to_dict() for c in one.checks or ()]
+
+
+def test_what_the_other_thread_leaves_out_is_told(one_verb, monkeypatch):
+    """Missing data as left out, in the order of the parts; faults of both designs as faults."""
+    mechanism = dataclasses.replace(example("wu2022"), operating_point=None)
+    told = [part for part, _ in analyse(mechanism, transient=True).left_out]
+    assert told.index("steady state") < told.index("transient")
+
+    def fails(_):
+        raise ZeroDivisionError("no time")
+
+    monkeypatch.setattr(_analyse, "_history", fails)
+    found = analyse(example("wu2022"), improved=example("wu2022"))
+    assert [part for part, _ in found.faults] == ["transient", "transient after the optimisation"]
+    assert all("no time" in words for _, words in found.faults)
+    assert found.transient is None
+    assert found.steady is not None
