@@ -33,7 +33,6 @@ _USUAL_FRICTION = 0.1
 _flank_contact = one_program_where_possible(flank_contact)
 _line = one_program_where_possible(line_contact)
 _ring_contact = one_program_where_possible(ring_contact)
-_thread_contacts = one_program_where_possible(thread_contacts)
 _side_onsets = one_program_where_possible(side_onsets)
 
 
@@ -89,7 +88,7 @@ def contact_pictures(
     shared = load_of(mechanism, load)
     figures: dict[str, Figure] = {}
     for number, (stage, pair) in enumerate(
-        zip(mechanism.stages, _thread_contacts(mechanism, shared), strict=True), start=1
+        zip(mechanism.stages, thread_contacts(mechanism, shared), strict=True), start=1
     ):
         suffix = f"-stage-{number}" if len(mechanism.stages) > 1 else ""
         label = short_label(mechanism.title) or "thread contact"

@@ -4,7 +4,6 @@ from pathlib import Path
 
 from ...dynamics import Transient, body_forces
 from ...mechanism import Mechanism
-from ...programs import one_program_where_possible
 from .._style import save_figures
 from ..animations import save_motion_animation
 from ..motion_charts import (
@@ -16,8 +15,6 @@ from ..motion_charts import (
     settles,
     transient_chart,
 )
-
-_forces = one_program_where_possible(body_forces)
 
 
 def save_transient_pictures(
@@ -46,7 +43,7 @@ def save_transient_pictures(
         "powers": power_history_chart(mechanism, run),
     }
     if all(stage.type in ("standard", "inverted") for stage in mechanism.stages):
-        figures["force-orbit"] = force_orbit(mechanism, run, _forces(mechanism, run))
+        figures["force-orbit"] = force_orbit(mechanism, run, body_forces(mechanism, run))
     if settles(run):
         figures["transient"] = transient_chart(run)
     flow = energy_flow(mechanism, run)

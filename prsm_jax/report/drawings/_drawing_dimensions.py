@@ -5,9 +5,7 @@ from dataclasses import dataclass
 
 from ...geometry import ThreadContact, mesh
 from ...mechanism import FAMILIES, Family, Mechanism, Stage, stage_at, thread_heights
-from ...programs import one_program_where_possible
 
-_mesh = one_program_where_possible(mesh)
 #: A wall that is not given is drawn this thick, in roller radii, and broken off.
 _BROKEN_WALL = 1.0
 
@@ -146,7 +144,7 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
     """
     chosen = stage_at(mechanism, stage)
     thread, carrier, ring = chosen.thread, chosen.carrier, chosen.ring_gear
-    meshing = _mesh(thread)
+    meshing = mesh(thread)
     touching = bool(meshing.converged)
 
     def point(contact: ThreadContact) -> ContactPoint | None:

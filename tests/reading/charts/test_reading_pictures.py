@@ -29,7 +29,7 @@ def test_pictures_of_contacts(monkeypatch):
         asked.append((one, side, float(load), cells))
         return flanks[side]
 
-    monkeypatch.setattr(_contact_pictures, "_thread_contacts", lambda *_: (pair,))
+    monkeypatch.setattr(_contact_pictures, "thread_contacts", lambda *_: (pair,))
     monkeypatch.setattr(_contact_pictures, "_flank_contact", solve)
     monkeypatch.setattr(_contact_pictures, "shared_loads", lambda *_: (shared, curve))
     _recorded(
@@ -87,7 +87,7 @@ def test_curves_go_half_as_far_again_as_the_load(monkeypatch, reverse):
 def test_pictures_of_a_transient(monkeypatch, tmp_path):
     mechanism, run = scenes.example("li2021_two_stage"), made.transient()
     forces, written = made.body_forces(), {}
-    monkeypatch.setattr(_transient_pictures, "_forces", lambda *_: forces)
+    monkeypatch.setattr(_transient_pictures, "body_forces", lambda *_: forces)
     _recorded(
         monkeypatch,
         _transient_pictures,

@@ -12,6 +12,7 @@ from report_checks import assert_printable, axis_labels
 from report_scenes import make_steady, make_transient
 from scenes import array, example, simulate
 
+from prsm_jax.dynamics import body_forces
 from prsm_jax.dynamics.histories._transient_result import Phase
 from prsm_jax.report import (
     PowerFlow,
@@ -29,7 +30,6 @@ from prsm_jax.report._style import page_figure
 from prsm_jax.report.animations import _stage_animation
 from prsm_jax.report.animations._stage_animation import angle_scale, poses
 from prsm_jax.report.animations._stage_view import TelescopeView
-from prsm_jax.report.document._transient_pictures import _forces
 from prsm_jax.report.motion_charts._history_chart import sticking_phases, travel_of
 from prsm_jax.scenario import Scenario
 
@@ -209,7 +209,7 @@ def test_the_animation_moves_and_repeats(mechanism, settling, tmp_path):
 
 
 def test_force_orbits_end_where_the_forces_do(mechanism, settling):
-    forces = _forces(mechanism, settling)
+    forces = body_forces(mechanism, settling)
     figure = force_orbit(mechanism, settling, forces)
     assert_printable(figure)
     assert axis_labels(figure).count("radial force in N") == 4
