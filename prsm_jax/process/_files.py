@@ -23,8 +23,9 @@ _empty: set[Path] = set()
 _placing = threading.RLock()
 _PATIENCE_S = 1.0
 #: How long a thread keeps the interpreter's lock when another requests it [s]: Python's default,
-#: and during the last steps, which take a tenth of that.
-_USUAL_LOCK_S, _LOCK_S = 0.005, 0.3
+#: and during the last steps, which take half of that. Other threads that trace keep it as long,
+#: one after the other, before the last steps begin.
+_USUAL_LOCK_S, _LOCK_S = 0.005, 0.05
 #: Time in which system calls that have begun can end [µs].
 _PAUSE_US = 20_000
 _MOVED, _TRIES = ".moved-", 1000

@@ -73,13 +73,14 @@ class Terminal:
 
 @pytest.mark.parametrize(
     ("words", "moment"),
+    # How many programs is said as they are found: a quick machine finds fewer long ones.
     [
-        ((*SWEEP, "contact_angle=35 deg:55 deg:9"), "compiling 1 of 2 programs"),
+        ((*SWEEP, "contact_angle=35 deg:55 deg:9"), "compiling 1 of "),
         ((*SWEEP, "contact_angle=35 deg:55 deg:3000"), "of 9000000 designs"),
-        (("optimise", "actuator", "--starts", "1"), "compiling 1 of 3 programs"),
+        (("optimise", "actuator", "--starts", "1"), "compiling 1 of "),
         (("simulate", "actuator_mission"), "compiling"),
         (("demo",), "compiling"),
-        ((*STUDY, "9"), "compiling 1 of 4 programs"),
+        ((*STUDY, "9"), "compiling 1 of "),
         ((*STUDY, "3000"), "of 9000000 designs"),
         (("pareto", "actuator", "--minimise", "mass,max_pressure"), "prsm pareto: compiling"),
         (("tolerance", "actuator_tolerances"), "prsm tolerance: compiling"),

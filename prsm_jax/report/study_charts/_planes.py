@@ -62,10 +62,12 @@ class Plane:
         axes.set_xlabel(in_words(readable(self.x), x_unit))
         axes.set_ylabel(in_words(readable(self.y), y_unit))
         refused = np.argwhere(~self.cut(self.study.map.allowed))
-        axes.plot(
-            xs[refused[:, 1]], ys[refused[:, 0]], ls="", marker=".", ms=2.5, color=INK,
-            clip_on=False, label="breaks a limit, or error of prsm check",
-        )  # fmt: skip
+        # Without a point, an unclipped marker lies at the corner of the figure for the layout.
+        if refused.size:
+            axes.plot(
+                xs[refused[:, 1]], ys[refused[:, 0]], ls="", marker=".", ms=2.5, color=INK,
+                clip_on=False, label="breaks a limit, or error of prsm check",
+            )  # fmt: skip
         front = self.study.front.points
         if front:
             axes.plot(

@@ -1,5 +1,6 @@
 """A study: its pictures, its tables, the report, and the JSON of its verb."""
 
+import dataclasses
 import json
 import math
 
@@ -102,6 +103,20 @@ def test_maps(study):
         "present design",
     ]
     chart.finish()
+
+
+def test_maps_without_a_refused_design(study):
+    """Nothing is marked, and the panels fill the page."""
+    shape = study.map.allowed.shape
+    nothing = {name: np.zeros(shape) for name in study.map.violations}
+    allowed = dataclasses.replace(study.map, usable=np.ones(shape, bool), violations=nothing)
+    assert allowed.allowed.all()
+    for draw in (study_maps, conflict_maps):
+        figure = draw(dataclasses.replace(study, map=allowed))
+        assert handles(figure) == ["front, projected", "present design"]
+        rows = {round(one.get_position().y0, 6): one for one in figure.axes if one.get_xlabel()}
+        heights = [one.get_position().height for one in rows.values()]
+        assert sum(heights) > 0.5, heights
 
 
 @reads("chart", "conflict_maps")
