@@ -1,17 +1,15 @@
 """The folder where compiled programs are kept between runs, and warnings if it fails."""
 
-import os
 import sys
 import tempfile
 import warnings
 from pathlib import Path
 
 from ..process import others_can_write, whole_file
+from ..programs import CACHE_VARIABLE, usual_folder
 from ..text import printable
 from ._progress import clear
 
-#: Where compiled programs are kept between runs, unless this variable says otherwise.
-_VARIABLE = "PRSM_JAX_CACHE"
 _TROUBLE = r"Error (reading|writing) persistent compilation cache entry"
 
 
@@ -23,14 +21,13 @@ def keep_compiled_programs() -> None:
     """
     import jax
 
-    default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "prsm_jax"
-    folder = os.environ.get(_VARIABLE, str(default))
-    if not folder:
+    folder = usual_folder()
+    if folder is None:
         return
     try:
-        Path(folder).parent.mkdir(parents=True, exist_ok=True)
-        Path(folder).mkdir(mode=0o700, exist_ok=True)
-        if reason := others_can_write(Path(folder)):
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, exist_ok=True)
+        if reason := others_can_write(folder):
             _tell(
                 f"{folder}: compiled programs of earlier runs are not used ({reason}, and such a "
                 "program runs with your rights); remove the folder, and the next run makes one "
@@ -43,7 +40,7 @@ def keep_compiled_programs() -> None:
         why = error.strerror or str(error)
         _tell(f"{folder}: compiled programs cannot be kept here for the next run ({why.lower()})")
         return
-    jax.config.update("jax_compilation_cache_dir", folder)
+    jax.config.update("jax_compilation_cache_dir", str(folder))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
     write_whole_entries()
@@ -69,7 +66,7 @@ def tell_of_trouble_once() -> None:
 
 def _tell(what: str) -> None:
     clear()
-    print(f"prsm: {printable(what)}; {_VARIABLE} names the folder", file=sys.stderr)
+    print(f"prsm: {printable(what)}; {CACHE_VARIABLE} names the folder", file=sys.stderr)
 
 
 def write_whole_entries() -> None:

@@ -65,7 +65,7 @@ def _run(words: list[str], alone: bool) -> tuple[int, str]:
     except PrsmError as error:
         return 2, str(error)
     with progress(words[0] if words else ""):
-        from ..programs import run_one_verb
+        from ..programs import keep_list, run_one_verb, runs_one_verb
         from ._compiled import keep_compiled_programs, tell_of_trouble_once
         from ._verbs import app
 
@@ -81,6 +81,8 @@ def _run(words: list[str], alone: bool) -> tuple[int, str]:
             status = app(
                 words, exit_on_error=False, print_error=False, result_action="return_value"
             )
+            if runs_one_verb():
+                keep_list(words)
             return (status if isinstance(status, int) else 0), ""
         except KeyboardInterrupt:
             return 130, "stopped (Ctrl-C)"

@@ -8,7 +8,7 @@ from .._errors import FileError, missing_extra
 from ..mechanism import Mechanism
 from ._examples import example_bytes, example_names, example_text
 from ._read import bytes_of, loads, text_of
-from ._write import dumps
+from ._write import dumps, unread_text
 
 
 def source_text(source: str) -> str:
@@ -46,13 +46,13 @@ def edit(text: str, mechanism: Mechanism, quantity_units: Mapping[str, str] | No
         import tomlkit
     except ModuleNotFoundError as error:
         raise missing_extra("file", "editing mechanism files", error) from error
-    before = tomllib.loads(dumps(loads(text), quantity_units))
+    before = tomllib.loads(unread_text(loads(text), quantity_units))
     document = tomlkit.parse(text)
     try:
         _change(document, before, tomllib.loads(anew))
         edited = tomlkit.dumps(document)
         # The edited text must describe the same mechanism.
-        same = dumps(loads(edited), quantity_units) == anew
+        same = unread_text(loads(edited), quantity_units) == anew
     except (FileError, KeyError, IndexError, TypeError):
         same = False
     return edited if same else anew

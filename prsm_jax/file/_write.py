@@ -264,18 +264,27 @@ def dumps(mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None)
     **Raises:** `FileError` if the mechanism could not be read back, for example because a length
     is negative; `MissingExtraError` if pint is not installed.
     """
+    text = unread_text(mechanism, quantity_units)
+    loads(text, name="the mechanism to write")
+    return text
+
+
+def unread_text(mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None) -> str:
+    """As `dumps`, for a mechanism that has been read, or whose text is not: it is not read back.
+
+    **Raises:** `FileError` if a table cannot be written; `MissingExtraError` if pint is not
+    installed.
+    """
     try:
         import pint  # noqa: F401
     except ModuleNotFoundError as error:
         raise missing_extra("file", "writing mechanism files", error) from error
     try:
-        text = "\n".join(_lines(mechanism, quantity_units or {})) + "\n"
+        return "\n".join(_lines(mechanism, quantity_units or {})) + "\n"
     except UnknownNameError as error:
         raise FileError(
             f"the [optimise] or [tolerances] table cannot be written: {error}"
         ) from error
-    loads(text, name="the mechanism to write")
-    return text
 
 
 def dump(

@@ -21,6 +21,7 @@ from ._interrupt import (
     end_on_signals as end_on_signals,
     keep_result as keep_result,
 )
+from ._own_process import own_command as own_command
 from ._placing import (
     placing_in as placing_in,
     put_file as put_file,

@@ -15,6 +15,11 @@ def _is_command_line() -> bool:
     return name == "prsm" or (name == "-m" and "prsm_jax" in sys.orig_argv)
 
 
+def own_command() -> list[str] | None:
+    """Words after `prsm` if this process was started as `prsm`; `None` in any other process."""
+    return list(sys.argv[1:]) if _is_command_line() else None
+
+
 #: Verbs whose programs run once or a few times, each in milliseconds.
 _BRIEF_VERBS = frozenset(
     (

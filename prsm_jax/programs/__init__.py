@@ -1,11 +1,13 @@
 """How programs are compiled: one for each structure, batches, labels of physics, precision."""
 
+from ..process import own_command
 from ._batches import (
     AbstractResult as AbstractResult,
     each as each,
     listed as listed,
     mapped as mapped,
 )
+from ._files import VARIABLE as CACHE_VARIABLE, usual_folder as usual_folder
 from ._one_program import (
     is_known as is_known,
     one_program as one_program,
@@ -23,8 +25,13 @@ from ._one_verb import (
 from ._origin import origin_of as origin_of
 from ._physics import physics as physics, traced_physics as traced_physics
 from ._precision import to_precision as to_precision
+from ._read_ahead import keep_list as keep_list, read_ahead as read_ahead
 from ._stored import (
     has_stored as has_stored,
     run_stored as run_stored,
     stored_facts as stored_facts,
 )
+
+if own_command() is not None:
+    # The rest of the package is imported meanwhile.
+    read_ahead(own_command() or [])

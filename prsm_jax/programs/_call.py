@@ -15,6 +15,7 @@ import jax
 
 from . import _files
 from ._origin import origin_of
+from ._read_ahead import executable
 
 #: Only the compiler works outside Python: two threads would trace no faster than one, and the
 #: program that was asked for first comes first.
@@ -94,11 +95,9 @@ class Call:
 
         **Raises:** anything, if the program is absent, changed, or not one of this JAX.
         """
-        from jax.experimental import serialize_executable
-
         assert self.path is not None
-        *run, results = pickle.loads(_files.read(self.path))
-        return Program(serialize_executable.deserialize_and_load(*run), results)
+        run, results = executable(self.path)
+        return Program(run, pickle.loads(results))
 
     def prepared(self) -> Program:
         """The program from its file, or else compiled."""
@@ -124,6 +123,7 @@ class Call:
         call.__name__ = call.__qualname__ = self._words
         with _tracing:
             lowered = jax.jit(call).lower(*self.arrays)
+            _strip_names(lowered)
         with _not_in_the_cache_of_jax():
             return Program(lowered.compile(self._options()), *results)
 
@@ -145,7 +145,25 @@ def _described(leaf: Any) -> Any:
 def _serialised(program: Program) -> tuple[Any, ...]:
     from jax.experimental import serialize_executable
 
-    return *serialize_executable.serialize(program.run), program.results  # type: ignore[arg-type]
+    run: Any = program.run
+    # The classes of the results are imported where the program is used, not where it is read ahead:
+    # two threads that import the same modules may see one of them half made.
+    return *serialize_executable.serialize(run), pickle.dumps(program.results)
+
+
+def _strip_names(lowered: jax.stages.Lowered) -> None:
+    """Remove the names of functions and lines from a program, in place.
+
+    No user sees them, and they are a quarter of the stored program and of the time to read it.
+    """
+    # Not public: in a version of JAX that differs, the names stay.
+    with contextlib.suppress(Exception):
+        from jax._src.lib.mlir import passmanager
+
+        module: Any = lowered.compiler_ir("stablehlo")
+        with module.context:
+            passes: Any = passmanager.PassManager.parse("builtin.module(strip-debuginfo)")
+            passes.run(module.operation)
 
 
 @contextlib.contextmanager

@@ -23,6 +23,8 @@ from ..process import others_can_write, whole_file
 _PACKAGE = Path(__file__).parent.parent
 #: Packages whose code is in the programs; diffrax and optimistix bring lineax with them.
 MADE_BY = ("jax", "jaxlib", "equinox", "diffrax", "optimistix", "lineax")
+#: The command line keeps compiled programs between runs here, unless this variable says otherwise.
+VARIABLE = "PRSM_JAX_CACHE"
 #: In the written form of an object that is another one in every process.
 _ADDRESS = " at 0x"
 
@@ -53,12 +55,26 @@ def _key(question: tuple[Any, ...]) -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
-def path_of(name: str, structure: Any, static: tuple[Any, ...]) -> Path | None:
-    """Where a program is kept; `None` if its arguments are not the same in every process."""
+def usual_folder() -> Path | None:
+    """Where the command line keeps compiled programs; `None` if the user wants none kept."""
+    default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "prsm_jax"
+    folder = os.environ.get(VARIABLE, str(default))
+    return Path(folder) if folder else None
+
+
+def path_of(
+    name: str, structure: Any, static: tuple[Any, ...], folder: Path | None = None
+) -> Path | None:
+    """Where a program is kept; `None` if its arguments are not the same in every process.
+
+    In JAX's folder of compiled programs unless another is given.
+    """
     question = (name, static, str(structure))
     if _ADDRESS in repr(question):
         return None
-    return Path(jax.config.jax_compilation_cache_dir) / "programs" / _key(question)  # type: ignore
+    if folder is None:
+        folder = Path(jax.config.jax_compilation_cache_dir)  # type: ignore[attr-defined]
+    return folder / "programs" / _key(question)
 
 
 def write(path: Path, data: bytes) -> None:

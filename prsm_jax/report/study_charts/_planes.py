@@ -75,7 +75,7 @@ class Plane:
                     unit(np.array([one.variables[name] for one in front]))
                     for name, unit in ((self.x, x_unit), (self.y, y_unit))
                 ),
-                color=ACTIVE, lw=0.8, marker="o", ms=2.5, label="front, projected",
+                color=ACTIVE, lw=0.8, marker="o", ms=2.5, clip_on=False, label="front, projected",
             )  # fmt: skip
         present = [
             unit(self._driver(name).present) for name, unit in ((self.x, x_unit), (self.y, y_unit))
