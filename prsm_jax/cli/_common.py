@@ -14,10 +14,11 @@ import jax
 import numpy as np
 from cyclopts import Parameter
 
-from ..findings import CheckNumbers, check_from, margin_numbers
+from ..findings import CheckNumbers, check_from, margin_numbers, prepare_check
 from ..geometry import Finding
 from ..mechanism import Mechanism, get_parameter
 from ..process import make_folder, whole_file
+from ..programs import while_compiling
 from ..text import markdown
 from ._progress import clear, doing, expect_programs
 from ._tables import TextTable, terminal_width
@@ -74,9 +75,12 @@ class Common(Output):
 
         self.check_targets()
         mechanism = load(source)
+        if self.settings:
+            mechanism = apply_settings(mechanism, self.settings)
         # Every verb that analyses a mechanism ends with `checked`.
         expect_programs("_numbers_by")
-        return apply_settings(mechanism, self.settings) if self.settings else mechanism
+        while_compiling(lambda: prepare_check(mechanism))
+        return mechanism
 
 
 def checked(mechanism: Mechanism) -> tuple[Finding, ...]:

@@ -15,9 +15,9 @@ def _is_command_line() -> bool:
     return name == "prsm" or (name == "-m" and "prsm_jax" in sys.orig_argv)
 
 
-def own_command() -> list[str] | None:
-    """Words after `prsm` if this process was started as `prsm`; `None` in any other process."""
-    return list(sys.argv[1:]) if _is_command_line() else None
+def own_command() -> list[str]:
+    """Words after `prsm` if this process was started as `prsm`; none in any other process."""
+    return list(sys.argv[1:]) if _is_command_line() else []
 
 
 #: Verbs whose programs run once or a few times, each in milliseconds.

@@ -7,7 +7,7 @@ from ._batches import (
     listed as listed,
     mapped as mapped,
 )
-from ._files import VARIABLE as CACHE_VARIABLE, usual_folder as usual_folder
+from ._folder import CACHE_VARIABLE as CACHE_VARIABLE, usual_folder as usual_folder
 from ._one_program import (
     is_known as is_known,
     one_program as one_program,
@@ -20,6 +20,7 @@ from ._one_verb import (
     beside as beside,
     run_one_verb as run_one_verb,
     runs_one_verb as runs_one_verb,
+    while_compiling as while_compiling,
     works_beside as works_beside,
 )
 from ._origin import origin_of as origin_of
@@ -32,6 +33,5 @@ from ._stored import (
     stored_facts as stored_facts,
 )
 
-if own_command() is not None:
-    # The rest of the package is imported meanwhile.
-    read_ahead(own_command() or [])
+# The rest of the package is imported meanwhile.
+read_ahead(own_command())

@@ -14,6 +14,7 @@ import equinox as eqx
 import jax
 
 from . import _files
+from ._one_verb import compiler_begins
 from ._origin import origin_of
 from ._read_ahead import executable
 
@@ -124,6 +125,7 @@ class Call:
         with _tracing:
             lowered = jax.jit(call).lower(*self.arrays)
             _strip_names(lowered)
+        compiler_begins()
         with _not_in_the_cache_of_jax():
             return Program(lowered.compile(self._options()), *results)
 
@@ -158,7 +160,7 @@ def _strip_names(lowered: jax.stages.Lowered) -> None:
     """
     # Not public: in a version of JAX that differs, the names stay.
     with contextlib.suppress(Exception):
-        from jax._src.lib.mlir import passmanager
+        from jax._src.lib.mlir import passmanager  # pyright: ignore[reportPrivateImportUsage]
 
         module: Any = lowered.compiler_ir("stablehlo")
         with module.context:

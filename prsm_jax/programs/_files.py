@@ -23,8 +23,6 @@ from ..process import others_can_write, whole_file
 _PACKAGE = Path(__file__).parent.parent
 #: Packages whose code is in the programs; diffrax and optimistix bring lineax with them.
 MADE_BY = ("jax", "jaxlib", "equinox", "diffrax", "optimistix", "lineax")
-#: The command line keeps compiled programs between runs here, unless this variable says otherwise.
-VARIABLE = "PRSM_JAX_CACHE"
 #: In the written form of an object that is another one in every process.
 _ADDRESS = " at 0x"
 
@@ -53,13 +51,6 @@ def _key(question: tuple[Any, ...]) -> str:
     flags = os.environ.get("XLA_FLAGS", ""), os.environ.get("EQX_ON_ERROR", "")
     parts = (question, made_by, flags, _processor(), _fingerprint())
     return hashlib.sha256(repr(parts).encode()).hexdigest()
-
-
-def usual_folder() -> Path | None:
-    """Where the command line keeps compiled programs; `None` if the user wants none kept."""
-    default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "prsm_jax"
-    folder = os.environ.get(VARIABLE, str(default))
-    return Path(folder) if folder else None
 
 
 def path_of(

@@ -10,6 +10,7 @@ _Return = TypeVar("_Return")
 
 _one_verb = False
 _begun: list[Future[Any]] = []
+_while_compiling: list[Callable[[], None]] = []
 
 
 def run_one_verb() -> None:
@@ -63,6 +64,27 @@ def begun(function: Callable[[], _Return]) -> Future[_Return]:
 
     threading.Thread(target=work, name="beside", daemon=True).start()
     return found
+
+
+def while_compiling(begin: Callable[[], None]) -> None:
+    """Call a function when the first program of this process has been traced.
+
+    What it begins in another thread is traced while the compiler, which works outside Python, is
+    busy with the first program. Only in a process that runs one verb; where all programs are read
+    from files it is not called.
+
+    **Arguments:**
+
+    - `begin`: begins the work and returns at once.
+    """
+    if runs_one_verb():
+        _while_compiling.append(begin)
+
+
+def compiler_begins() -> None:
+    """Begin what `while_compiling` has been told."""
+    while _while_compiling:
+        _while_compiling.pop()()
 
 
 def works_beside() -> bool:

@@ -18,6 +18,7 @@ from jax.experimental import serialize_executable
 
 from ..process import others_can_write
 from . import _files
+from ._folder import usual_folder
 from ._one_verb import begun
 
 #: Runs on arrays; and the pickled form of the results with places for arrays.
@@ -43,7 +44,7 @@ def read_ahead(command: Sequence[str]) -> None:
 
     - `command`: words after `prsm`.
     """
-    folder = _files.usual_folder()
+    folder = usual_folder()
     if folder is not None and command:
         begun(lambda: _read_all(folder, command))
 

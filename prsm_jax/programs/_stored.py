@@ -29,6 +29,8 @@ _Facts = TypeVar("_Facts")
 _used: dict[tuple[Any, ...], Program] = {}
 #: Programs that another thread reads or compiles, by the same.
 _prepared: dict[tuple[Any, ...], Future[Program]] = {}
+#: What this process has asked for so far: no thread prepares it again.
+_asked: set[tuple[Any, ...]] = set()
 
 
 def has_stored(name: str, *args: Any) -> bool:
@@ -53,8 +55,9 @@ def prepare(
     if not _can_be_stored(args):
         return
     call = Call(name, function, args, words, repeated)
-    if call.question in _used or call.question in _prepared or call.path is None:
+    if call.question in _asked or call.path is None:
         return
+    _asked.add(call.question)
     _prepared[call.question] = begun(call.prepared)
 
 
@@ -79,6 +82,7 @@ def run_stored(
     if program is None:
         if call.path is None:
             return eqx.filter_jit(function)(*args)
+        _asked.add(call.question)
         prepared = _prepared.pop(call.question, None)
         # A stored program that was changed, or that this JAX cannot run, is compiled again.
         with contextlib.suppress(Exception):

@@ -13,7 +13,7 @@ from jaxtyping import Array, Float
 from .._errors import MissingDataError
 from ..fields import Scalar, as_optional_scalar, listed_names
 from ..mechanism import Mechanism, Parameter, find_parameters, of_one_design, what_follows
-from ..programs import one_program_where_possible
+from ..programs import one_program_where_possible, prepare_program, runs_one_verb
 from ..quantities import (
     QuantityLike,
     available_quantities,
@@ -38,6 +38,8 @@ DEFAULT_QUANTITIES = (
     "lowest_mesh_transverse_frequency",
 )
 DEFAULT_PARAMETERS = ("lead", "contact_angle", "roller_radius")
+#: A longer list of quantities is compiled as two programs by a process that runs one verb.
+_ONE_PROGRAM = 4
 _MODES = ("auto", "forward", "reverse")
 #: The arrays of a `Sensitivity` by their names, and the values of the quantities by theirs.
 Numbers: TypeAlias = dict[str, Any]
@@ -112,11 +114,25 @@ def _table(
     kinks: bool,
 ) -> Sensitivity:
     groups = _single_numbers(mechanism, parameters)
+    shift = jnp.zeros(sum(map(len, groups)), jnp.result_type(float))
+    parts = _parts(names)
+    if len(parts) > 1:
+        if mode == "auto" and len(shift) <= len(names):
+            # As for all quantities together.
+            mode = "forward"
+        for part in parts:
+            prepare_program(
+                _compiled_numbers, mechanism, part, parameters, speed, load, mode, shift
+            )
 
     def moved_by(shift: Float[Array, " numbers"]) -> Numbers:
-        return _compiled_numbers(mechanism, names, parameters, speed, load, mode, shift)
+        return _joined(
+            [
+                _compiled_numbers(mechanism, part, parameters, speed, load, mode, shift)
+                for part in parts
+            ]
+        )
 
-    shift = jnp.zeros(sum(map(len, groups)), jnp.result_type(float))
     numbers = moved_by(shift)
     table = _with_names(mechanism, names, parameters, groups, numbers)
     if not kinks or any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves((mechanism, table))):
@@ -171,6 +187,29 @@ def _single_numbers(mechanism: Mechanism, names: Sequence[str]) -> list[tuple[Pa
                 )
         groups.append(parameters)
     return groups
+
+
+def _parts(names: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
+    """Quantities by program: while the compiler is at work on one, the next is traced."""
+    if len(names) <= _ONE_PROGRAM or not runs_one_verb():
+        return (names,)
+    half = (len(names) + 1) // 2
+    return names[:half], names[half:]
+
+
+def _joined(parts: Sequence[Numbers]) -> Numbers:
+    if len(parts) == 1:
+        return parts[0]
+    joined = {
+        # By NumPy: each operation of JAX outside of a program is compiled, too.
+        key: jnp.asarray(np.concatenate([part[key] for part in parts]))
+        for key in ("values", "gradient", "elasticity", "elasticity_defined")
+    }
+    by_name: Numbers = {}
+    for part in parts:
+        by_name |= part["by_name"]
+    valid = jnp.asarray(np.all([part["valid"] for part in parts]))
+    return parts[0] | joined | {"by_name": by_name, "valid": valid}
 
 
 def _numbers(

@@ -77,3 +77,14 @@ def test_what_the_other_thread_leaves_out_is_told(one_verb, monkeypatch):
     assert all("no time" in words for _, words in found.faults)
     assert found.transient is None
     assert found.steady is not None
+
+
+def test_what_waits_for_the_compiler_begins_once(one_verb):
+    """After the first trace of a process that runs one verb, and in no other process."""
+    begun = []
+    _one_verb.while_compiling(lambda: begun.append("check"))
+    assert begun == []
+    _one_verb.compiler_begins()
+    assert begun == ["check"] * one_verb
+    _one_verb.compiler_begins()
+    assert begun == ["check"] * one_verb

@@ -35,6 +35,7 @@ def one_verb(monkeypatch, tmp_path):
     before = getattr(jax.config, "jax_compilation_cache_dir")  # noqa: B009
     monkeypatch.setattr(_one_verb, "_one_verb", True)
     monkeypatch.setattr(_stored, "_used", {})
+    monkeypatch.setattr(_stored, "_asked", set())
     jax.config.update("jax_compilation_cache_dir", str(tmp_path))
     yield tmp_path / "programs"
     jax.config.update("jax_compilation_cache_dir", before)
@@ -46,6 +47,7 @@ def traced_again(monkeypatch):
 
     def refuse():
         _stored._used.clear()
+        _stored._asked.clear()
         monkeypatch.setattr(Call, "_compiled", lambda _: pytest.fail("traced again"))
 
     return refuse
@@ -111,6 +113,34 @@ def test_a_stored_sensitivity_is_that_of_python(one_verb, usual, traced_again):
     # Other names need another program.
     with pytest.raises(pytest.fail.Exception, match="traced again"):
         prsm.sensitivity(mechanism, names, ["lead", "roller_radius"])
+
+
+def test_a_long_list_of_quantities_is_two_programs(one_verb, usual, traced_again):
+    """The table is that of one program: also a quantity of many components, and a failed one."""
+    mechanism = example("wu2022")
+    names = ["efficiency", "natural_frequencies", "max_pressure", "drive_torque", "mass"]
+
+    def run():
+        return prsm.sensitivity(mechanism, names, ["lead", "contact_angle"])
+
+    expected, first = usual(run), run()
+    assert len(list(one_verb.iterdir())) == 2
+    traced_again()
+    for table in (first, run()):
+        assert table.quantities == expected.quantities
+        assert table.quantity_units == expected.quantity_units
+        assert table.to_dict().keys() == expected.to_dict().keys()
+        _same(table, expected)
+    assert bool(expected.valid)
+    broken = set_parameters(mechanism, {"contact_angle": float("nan")}, checked=False)
+    table = prsm.sensitivity(broken, names, ["lead", "contact_angle"])
+    assert not bool(table.valid)
+
+
+def test_a_stored_program_has_no_names_of_functions(one_verb):
+    prsm.check(example("wu2022"))
+    (stored,) = one_verb.iterdir()
+    assert b"physics:" not in _files.read(stored)
 
 
 def test_the_next_process_reads_what_an_explanation_counted(one_verb, usual, monkeypatch):
@@ -290,6 +320,7 @@ def test_a_program_that_cannot_be_read_is_compiled_where_it_is_needed(one_verb, 
     (stored,) = one_verb.iterdir()
     stored.write_bytes(stored.read_bytes()[:-1])
     _stored._used.clear()
+    _stored._asked.clear()
     prepare_program(stored_function, angle)
     assert stored_function(angle) == first
     assert _files.read(stored)
