@@ -69,17 +69,25 @@ class Common(Output):
         ),
     ] = field(default_factory=list)
 
-    def load(self, source: str) -> Mechanism:
-        """Check the outputs, read the mechanism and apply the settings."""
+    def load(self, source: str, *, is_checked: bool = True) -> Mechanism:
+        """Check the outputs, read the mechanism and apply the settings.
+
+        **Arguments:**
+
+        - `source`: name of an example, or path of a file.
+        - `is_checked`: whether the verb ends with the findings of this mechanism, and not with
+          those of another one.
+        """
         from ..file import apply_settings, load
 
         self.check_targets()
         mechanism = load(source)
         if self.settings:
             mechanism = apply_settings(mechanism, self.settings)
-        # Every verb that analyses a mechanism ends with `checked`.
+        # Every verb that analyses a mechanism ends with findings.
         expect_programs("_numbers_by")
-        while_compiling(lambda: prepare_check(mechanism))
+        if is_checked:
+            while_compiling(lambda: prepare_check(mechanism))
         return mechanism
 
 

@@ -74,7 +74,7 @@ def optimise(
     design satisfies the constraints and the optimality conditions.
     """
     common.check_targets("out/optimise")
-    mechanism = common.load(file)
+    mechanism = common.load(file, is_checked=False)
     expect_programs("compiled_derivatives")
     from ...optimisation import optimise as run_optimise
 
