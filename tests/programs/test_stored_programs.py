@@ -14,6 +14,7 @@ import pytest
 from scenes import example
 
 import prsm_jax as prsm
+from prsm_jax.cli._common import Common
 from prsm_jax.explanation import _explain
 from prsm_jax.findings import _margin
 from prsm_jax.mechanism import set_parameters
@@ -271,6 +272,30 @@ def test_a_program_is_prepared_beside_other_work(
     assert not works_beside()
     with pytest.raises(pytest.fail.Exception, match="traced again"):
         stored_function(jnp.asarray([0.3]))
+
+
+def test_the_check_is_traced_while_the_first_program_is_compiled(one_verb, usual, monkeypatch):
+    """Not before it, and not where the verb ends with the findings of another mechanism."""
+    monkeypatch.setattr(_one_verb, "_while_compiling", [])
+    monkeypatch.setattr(_one_verb, "_begun", [])
+    order, compiled = [], Call._compiled
+
+    def record(call):
+        order.append(call.question[0].rpartition(".")[2])
+        return compiled(call)
+
+    monkeypatch.setattr(Call, "_compiled", record)
+    assert usual(lambda: Common().load("wu2022")) is not None
+    Common().load("wu2022", is_checked=False)
+    assert not _one_verb._while_compiling
+    mechanism = Common(settings=["lead=9 mm"]).load("wu2022")
+    assert order == []
+    prsm.steady_state(mechanism)
+    expected = usual(lambda: prsm.check(mechanism))
+    assert prsm.check(mechanism) == expected
+    # Compiled once, by a thread that the compiler of the first one began.
+    assert order == ["steady_state", "_numbers_by"]
+    assert len(_one_verb._begun) == 1
 
 
 def test_programs_that_run_often_are_optimised(one_verb, stored_function, monkeypatch):
