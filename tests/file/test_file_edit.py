@@ -47,6 +47,14 @@ def test_another_number_of_stages_is_written_anew():
     assert file.dumps(file.loads(edited)) == file.dumps(file.loads(two))
 
 
+def test_a_text_that_says_something_else_is_not_kept(monkeypatch):
+    """Whatever goes wrong with single keys, the text describes the mechanism."""
+    monkeypatch.setattr("prsm_jax.file._edit._change", lambda *_: None)
+    text = file.example_text("actuator")
+    mechanism = apply_settings(file.loads(text), ["stage.1.lead=7.25 mm"])
+    assert edit(text, mechanism) == file.dumps(mechanism)
+
+
 @pytest.mark.parametrize(
     ("value", "unit", "digits", "expected"),
     [

@@ -28,6 +28,7 @@ from prsm_jax.programs import (
     works_beside,
 )
 from prsm_jax.programs._call import Call
+from prsm_jax.sensitivities import _sensitivity
 
 
 @pytest.fixture
@@ -136,6 +137,13 @@ def test_a_long_list_of_quantities_is_two_programs(one_verb, usual, traced_again
     broken = set_parameters(mechanism, {"contact_angle": float("nan")}, checked=False)
     table = prsm.sensitivity(broken, names, ["lead", "contact_angle"])
     assert not bool(table.valid)
+    # All parts have to be usable, not only one.
+    parts = [
+        {key: np.ones(1) for key in ("values", "gradient", "elasticity", "elasticity_defined")}
+        | {"by_name": {name: np.ones(())}, "valid": np.asarray(valid)}
+        for name, valid in (("mass", True), ("efficiency", False))
+    ]
+    assert not bool(_sensitivity._joined(parts)["valid"])
 
 
 def test_a_stored_program_has_no_names_of_functions(one_verb):
@@ -295,6 +303,11 @@ def test_the_check_is_traced_while_the_first_program_is_compiled(one_verb, usual
     assert prsm.check(mechanism) == expected
     # Compiled once, by a thread that the compiler of the first one began.
     assert order == ["steady_state", "_numbers_by"]
+    assert len(_one_verb._begun) == 1
+    # Not by a thread, too, where it is the first one itself.
+    other = Common().load("li2020_two_stage")
+    prsm.check(other)
+    assert order[2:] == ["_numbers_by"]
     assert len(_one_verb._begun) == 1
 
 
