@@ -1,6 +1,5 @@
 """How programs are compiled: one for each structure, batches, labels of physics, precision."""
 
-from ..process import own_command
 from ._batches import (
     AbstractResult as AbstractResult,
     each as each,
@@ -26,12 +25,9 @@ from ._one_verb import (
 from ._origin import origin_of as origin_of
 from ._physics import physics as physics, traced_physics as traced_physics
 from ._precision import to_precision as to_precision
-from ._read_ahead import keep_list as keep_list, read_ahead as read_ahead
+from ._read_ahead import keep_list as keep_list
 from ._stored import (
     has_stored as has_stored,
     run_stored as run_stored,
     stored_facts as stored_facts,
 )
-
-# The rest of the package is imported meanwhile.
-read_ahead(own_command())

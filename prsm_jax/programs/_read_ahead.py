@@ -16,7 +16,7 @@ from typing import Any
 # Not in the thread: two threads that import the same modules may see one of them half made.
 from jax.experimental import serialize_executable
 
-from ..process import others_can_write
+from ..process import others_can_write, own_command
 from . import _files
 from ._folder import usual_folder
 from ._one_verb import begun
@@ -102,3 +102,7 @@ def keep_list(command: Sequence[str]) -> None:
         if _files.read(path) == names:
             return
     _files.write(path, names)
+
+
+# In a process that is `prsm`: while the rest of the package is imported.
+read_ahead(own_command())

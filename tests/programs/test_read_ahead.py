@@ -17,8 +17,8 @@ from prsm_jax.programs import (
     _stored,
     keep_list,
     one_program_where_possible,
-    read_ahead,
 )
+from prsm_jax.programs._read_ahead import read_ahead
 
 COMMAND = ("steady", "wu2022", "--json", "-")
 
