@@ -216,6 +216,28 @@ def test_what_is_half_written_goes_and_what_was_there_stays(tmp_path):
     assert stopped(HALF_WRITTEN, tmp_path) == {"kept.json": "old"}
 
 
+BUSY = """
+def work():
+    while True:
+        sum(range(1000))
+
+with _files.folder_for_results(pathlib.Path("new")):
+    for _ in range(6):
+        threading.Thread(target=work, daemon=True).start()
+    time.sleep(0.2)
+    pathlib.Path("began").write_text(str(time.monotonic()))
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(60)
+"""
+
+
+def test_threads_that_work_in_python_do_not_delay_the_end(tmp_path):
+    """As those that trace: each of them keeps the lock of the interpreter for a while."""
+    written = stopped(BUSY, tmp_path)
+    assert time.monotonic() - float(written.pop("began")) < PATIENCE
+    assert written == {}
+
+
 TAKING_PLACE = """
 here = pathlib.Path(".")
 with _files.temporary_folder(here, ".building-") as building:
