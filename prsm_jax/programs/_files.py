@@ -53,19 +53,12 @@ def _key(question: tuple[Any, ...]) -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
-def path_of(
-    name: str, structure: Any, static: tuple[Any, ...], folder: Path | None = None
-) -> Path | None:
-    """Where a program is kept; `None` if its arguments are not the same in every process.
-
-    In JAX's folder of compiled programs unless another is given.
-    """
+def path_of(name: str, structure: Any, static: tuple[Any, ...]) -> Path | None:
+    """Where a program is kept; `None` if its arguments are not the same in every process."""
     question = (name, static, str(structure))
     if _ADDRESS in repr(question):
         return None
-    if folder is None:
-        folder = Path(jax.config.jax_compilation_cache_dir)  # type: ignore[attr-defined]
-    return folder / "programs" / _key(question)
+    return Path(jax.config.jax_compilation_cache_dir) / "programs" / _key(question)  # type: ignore
 
 
 def write(path: Path, data: bytes) -> None:

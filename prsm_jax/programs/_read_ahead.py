@@ -5,6 +5,7 @@ imports the rest of the package and reads the file of the mechanism.
 """
 
 import contextlib
+import hashlib
 import pickle
 import threading
 from collections import deque
@@ -54,9 +55,8 @@ def _read_all(folder: Path, command: Sequence[str]) -> None:
         if others_can_write(folder):
             return
         path = _list_of(folder, command)
-        if path is not None:
-            names = _files.read(path).decode().split()
-            _waiting.extend(path.parent / name for name in names)
+        names = _files.read(path).decode().split()
+        _waiting.extend(path.parent / name for name in names)
     while True:
         with _lock:
             if not _waiting:
@@ -70,9 +70,14 @@ def _read_all(folder: Path, command: Sequence[str]) -> None:
             found.set_exception(error)
 
 
-def _list_of(folder: Path, command: Sequence[str]) -> Path | None:
-    """Where the names of the programs of a command are kept."""
-    return _files.path_of("programs of the last run", None, tuple(command[:_WORDS]), folder)
+def _list_of(folder: Path, command: Sequence[str]) -> Path:
+    """Where the names of the programs of a command are kept.
+
+    Those of another version of the package may be in the list: they are absent, or nobody asks for
+    them.
+    """
+    question = ("programs of the last run", *command[:_WORDS])
+    return folder / "programs" / hashlib.sha256(repr(question).encode()).hexdigest()
 
 
 def executable(path: Path) -> Executable:
@@ -95,9 +100,10 @@ def _read(path: Path) -> Executable:
 
 def keep_list(command: Sequence[str]) -> None:
     """Write which programs this run has used, for `read_ahead` in the next run of the command."""
-    names = "\n".join(path.name for path in _used).encode()
-    if not _used or (path := _list_of(next(iter(_used)).parent.parent, command)) is None:
+    if not _used:
         return
+    names = "\n".join(path.name for path in _used).encode()
+    path = _list_of(next(iter(_used)).parent.parent, command)
     with contextlib.suppress(OSError, ValueError):
         if _files.read(path) == names:
             return
