@@ -270,7 +270,7 @@ def dumps(mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None)
 
 
 def unread_text(mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None) -> str:
-    """As `dumps`, for a mechanism that has been read, or whose text is not: it is not read back.
+    """The text of `dumps`, without reading it back; for a mechanism that was read from a file.
 
     **Raises:** `FileError` if a table cannot be written; `MissingExtraError` if pint is not
     installed.

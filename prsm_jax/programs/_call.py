@@ -156,7 +156,7 @@ def _serialised(program: Program) -> tuple[Any, ...]:
 def _strip_names(lowered: jax.stages.Lowered) -> None:
     """Remove the names of functions and lines from a program, in place.
 
-    No user sees them, and they are a quarter of the stored program and of the time to read it.
+    No user sees them, and they are a quarter of the stored program.
     """
     # Not public: in a version of JAX that differs, the names stay.
     with contextlib.suppress(Exception):

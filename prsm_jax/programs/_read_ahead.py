@@ -56,7 +56,8 @@ def _read_all(folder: Path, command: Sequence[str]) -> None:
             return
         path = _list_of(folder, command)
         names = _files.read(path).decode().split()
-        _waiting.extend(path.parent / name for name in names)
+        with _lock:
+            _waiting.extend(path.parent / name for name in names)
     while True:
         with _lock:
             if not _waiting:
@@ -73,8 +74,7 @@ def _read_all(folder: Path, command: Sequence[str]) -> None:
 def _list_of(folder: Path, command: Sequence[str]) -> Path:
     """Where the names of the programs of a command are kept.
 
-    Those of another version of the package may be in the list: they are absent, or nobody asks for
-    them.
+    The list may name programs of another version of the package, which this one does not need.
     """
     question = ("programs of the last run", *command[:_WORDS])
     return folder / "programs" / hashlib.sha256(repr(question).encode()).hexdigest()

@@ -73,7 +73,7 @@ class Terminal:
 
 @pytest.mark.parametrize(
     ("words", "moment"),
-    # How many programs is said as they are found: a quick machine finds fewer long ones.
+    # The total grows as long programs are found, and a quick machine finds fewer.
     [
         ((*SWEEP, "contact_angle=35 deg:55 deg:9"), "compiling 1 of "),
         ((*SWEEP, "contact_angle=35 deg:55 deg:3000"), "of 9000000 designs"),

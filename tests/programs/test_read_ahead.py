@@ -97,7 +97,8 @@ def test_the_next_run_reads_in_another_thread(folder, reads, monkeypatch):
     # Options after the file do not count.
     read_ahead((*COMMAND[:2], "--out", "elsewhere"))
     _wait()
-    assert reads == {path.name: False for path in programs}
+    # In the same order.
+    assert list(reads.items()) == [(path.name, False) for path in programs]
     assert _run() == first
     # Not read again by the main thread.
     assert reads == {path.name: False for path in programs}
