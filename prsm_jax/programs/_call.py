@@ -69,6 +69,8 @@ class Call:
         self._function, self._words, self._repeated = function, words, repeated
         self._leaves, self._structure = jax.tree.flatten(args)
         static = tuple(map(_described, self._leaves))
+        #: Set when the program has been traced or read, or cannot be.
+        self.traced = threading.Event()
         #: Equal for calls that need the same program.
         self.question: tuple[Any, ...] = (name, self._structure, *static)
 
@@ -102,9 +104,12 @@ class Call:
 
     def prepared(self) -> Program:
         """The program from its file, or else compiled."""
-        with contextlib.suppress(Exception):
-            return self.loaded()
-        return self.compiled()
+        try:
+            with contextlib.suppress(Exception):
+                return self.loaded()
+            return self.compiled()
+        finally:
+            self.traced.set()
 
     def _compiled(self) -> Program:
         results: list[Any] = []
@@ -125,6 +130,7 @@ class Call:
         with _tracing:
             lowered = jax.jit(call).lower(*self.arrays)
             _strip_names(lowered)
+        self.traced.set()
         compiler_begins()
         with _not_in_the_cache_of_jax():
             return Program(lowered.compile(self._options()), *results)

@@ -13,7 +13,7 @@ from jax.core import Tracer
 
 from ._one_verb import runs_one_verb
 from ._origin import origin_of
-from ._stored import is_foreign, prepare, run_stored
+from ._stored import is_foreign, nothing, prepare, run_stored
 
 _Params = ParamSpec("_Params")
 _Return = TypeVar("_Return")
@@ -143,7 +143,9 @@ def _name_of(function: Callable[..., Any]) -> str:
     return ".".join(origin_of(function))
 
 
-def prepare_program(function: Callable[..., Any], *args: Any, **kwargs: Any) -> None:
+def prepare_program(
+    function: Callable[..., Any], *args: Any, **kwargs: Any
+) -> Callable[[], object]:
     """Begin to read or compile the stored program of a public function, beside other work.
 
     Only in a process that runs one verb; elsewhere nothing is done.
@@ -152,11 +154,14 @@ def prepare_program(function: Callable[..., Any], *args: Any, **kwargs: Any) -> 
 
     - `function`: made by `one_program_where_possible`.
     - `args`, `kwargs`: `traceable` arguments, as those of the later call.
+
+    **Returns:** a function that waits until the program has been traced or read.
     """
-    if runs_one_verb() and _can_be_kept((args, kwargs)) and is_known((args, kwargs)):
-        plain = inspect.unwrap(function)
-        words, repeated = plain.__name__, plain in _repeated
-        prepare(_name_of(plain), _of_pair(plain), args, kwargs, words=words, repeated=repeated)
+    if not (runs_one_verb() and _can_be_kept((args, kwargs)) and is_known((args, kwargs))):
+        return nothing
+    plain = inspect.unwrap(function)
+    words, repeated = plain.__name__, plain in _repeated
+    return prepare(_name_of(plain), _of_pair(plain), args, kwargs, words=words, repeated=repeated)
 
 
 def _can_be_kept(tree) -> bool:

@@ -35,7 +35,7 @@ _asked: set[tuple[Any, ...]] = set()
 
 def has_stored(name: str, *args: Any) -> bool:
     """Whether this process has already used this stored program."""
-    return Call(name, _nothing, args).question in _used
+    return Call(name, nothing, args).question in _used
 
 
 def prepare(
@@ -44,21 +44,24 @@ def prepare(
     *args: Any,
     words: str = "call",
     repeated: bool = False,
-) -> None:
+) -> Callable[[], object]:
     """Begin to read or compile a program that `run_stored` will need, beside other work.
 
     A large one is read in a second and compiled in some ten, most of it outside Python. Where
     `run_stored` would not keep the program, nothing is done.
 
     **Arguments:** those of `run_stored`.
+
+    **Returns:** a function that waits until the program has been traced or read.
     """
     if not _can_be_stored(args):
-        return
+        return nothing
     call = Call(name, function, args, words, repeated)
     if call.question in _asked or call.path is None:
-        return
+        return nothing
     _asked.add(call.question)
     _prepared[call.question] = begun(call.prepared)
+    return call.traced.wait
 
 
 def run_stored(
@@ -99,12 +102,16 @@ def _can_be_stored(args: tuple[Any, ...]) -> bool:
     return bool(jax.config.jax_compilation_cache_dir) and _is_known(args)  # type: ignore[attr-defined]
 
 
-def _nothing() -> None:
-    """In place of the function where only the question matters."""
+def nothing() -> None:
+    """In place of a function that is not called, or has nothing to do."""
 
 
 def stored_facts(
-    name: str, function: Callable[..., _Facts], *args: Any, by: Hashable = None
+    name: str,
+    function: Callable[..., _Facts],
+    *args: Any,
+    by: Hashable = None,
+    after: Callable[[], object] = nothing,
 ) -> _Facts:
     """Evaluate a function whose result depends on the structure of its arguments alone.
 
@@ -117,6 +124,7 @@ def stored_facts(
     - `function`: returns words, numbers and containers of them; must not depend on numbers.
     - `args`: pytrees; leaves that are not arrays are static.
     - `by`: what else the facts depend on that may change within a process.
+    - `after`: waits for what must not be delayed, if the facts have to be found by tracing.
     """
     folder = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
     if not (runs_one_verb() and folder and _is_known(args)):
@@ -126,6 +134,7 @@ def stored_facts(
         return function(*args)
     with contextlib.suppress(Exception):
         return pickle.loads(_files.read(path))
+    after()
     facts = function(*args)
     _files.write(path, pickle.dumps(facts))
     return facts

@@ -10,6 +10,7 @@ from ._assumptions import (
     derives_static_capacity as derives_static_capacity,
     has_contacts as has_contacts,
 )
+from ._by_friction import by_friction as by_friction
 from ._catalogue import (
     Quantity as Quantity,
     QuantityLike as QuantityLike,

@@ -17,6 +17,7 @@ from ..programs import one_program_where_possible, prepare_program, runs_one_ver
 from ..quantities import (
     QuantityLike,
     available_quantities,
+    by_friction,
     component_names,
     find_quantity,
     quantity_name,
@@ -127,10 +128,11 @@ def _table(
 
     def moved_by(shift: Float[Array, " numbers"]) -> Numbers:
         return _joined(
+            names,
             [
                 _compiled_numbers(mechanism, part, parameters, speed, load, mode, shift)
                 for part in parts
-            ]
+            ],
         )
 
     numbers = moved_by(shift)
@@ -193,21 +195,31 @@ def _parts(names: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
     """Quantities by program: while the compiler is at work on one, the next is traced."""
     if len(names) <= _ONE_PROGRAM or not runs_one_verb():
         return (names,)
+    friction, rest = by_friction(names)
+    if friction and rest:
+        return rest, friction
     half = (len(names) + 1) // 2
     return names[:half], names[half:]
 
 
-def _joined(parts: Sequence[Numbers]) -> Numbers:
+def _joined(names: tuple[str, ...], parts: Sequence[Numbers]) -> Numbers:
+    """Numbers of all quantities in the order of their names."""
     if len(parts) == 1:
         return parts[0]
-    joined = {
-        # By NumPy: each operation of JAX outside of a program is compiled, too.
-        key: jnp.asarray(np.concatenate([part[key] for part in parts]))
-        for key in ("values", "gradient", "elasticity", "elasticity_defined")
-    }
     by_name: Numbers = {}
     for part in parts:
         by_name |= part["by_name"]
+    rows: dict[str, np.ndarray] = {}
+    first = 0
+    for name in (name for part in _parts(names) for name in part):
+        rows[name] = first + np.arange(by_name[name].size)
+        first += by_name[name].size
+    order = np.concatenate([rows[name] for name in names])
+    joined = {
+        # By NumPy: each operation of JAX outside of a program is compiled, too.
+        key: jnp.asarray(np.concatenate([part[key] for part in parts])[order])
+        for key in ("values", "gradient", "elasticity", "elasticity_defined")
+    }
     valid = jnp.asarray(np.all([part["valid"] for part in parts]))
     return parts[0] | joined | {"by_name": by_name, "valid": valid}
 

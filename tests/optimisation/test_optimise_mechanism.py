@@ -70,9 +70,12 @@ def test_a_long_search_goes_on_without_derivatives(monkeypatch):
 
         monkeypatch.setattr(_evaluator, name, record)
     programs = [_evaluator.compiled_derivatives, _evaluator.compiled_values]
-    monkeypatch.setattr(
-        _evaluator, "prepare_program", lambda function, *_: prepared.append((function, len(asked)))
-    )
+
+    def prepare(function, *_):
+        prepared.append((function, len(asked)))
+        return lambda: None
+
+    monkeypatch.setattr(_evaluator, "prepare_program", prepare)
     problem = DesignProblem((Variable("lead", 5e-3, 15e-3),), (Objective("max_pressure"),))
     search = Evaluator(scenes.frictionless(), problem, None, None, margins=False)
     positions = np.linspace(0.1, 0.9, 6)[:, None]

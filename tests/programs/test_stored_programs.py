@@ -28,43 +28,6 @@ from prsm_jax.programs import (
     works_beside,
 )
 from prsm_jax.programs._call import Call
-from prsm_jax.sensitivities import _sensitivity
-
-
-@pytest.fixture
-def one_verb(monkeypatch, tmp_path):
-    """As in a process of its own, with an empty folder of stored programs."""
-    before = getattr(jax.config, "jax_compilation_cache_dir")  # noqa: B009
-    monkeypatch.setattr(_one_verb, "_one_verb", True)
-    monkeypatch.setattr(_stored, "_used", {})
-    monkeypatch.setattr(_stored, "_asked", set())
-    jax.config.update("jax_compilation_cache_dir", str(tmp_path))
-    yield tmp_path / "programs"
-    jax.config.update("jax_compilation_cache_dir", before)
-
-
-@pytest.fixture
-def traced_again(monkeypatch):
-    """Empties the programs of this process, and refuses to compile others."""
-
-    def refuse():
-        _stored._used.clear()
-        _stored._asked.clear()
-        monkeypatch.setattr(Call, "_compiled", lambda _: pytest.fail("traced again"))
-
-    return refuse
-
-
-@pytest.fixture
-def usual(monkeypatch):
-    """Evaluates as a process does that runs longer."""
-
-    def run(function):
-        with monkeypatch.context() as patch:
-            patch.setattr(_one_verb, "_one_verb", False)
-            return function()
-
-    return run
 
 
 def test_a_stored_check_finds_the_same(one_verb, usual, traced_again):
@@ -115,35 +78,6 @@ def test_a_stored_sensitivity_is_that_of_python(one_verb, usual, traced_again):
     # Other names need another program.
     with pytest.raises(pytest.fail.Exception, match="traced again"):
         prsm.sensitivity(mechanism, names, ["lead", "roller_radius"])
-
-
-def test_a_long_list_of_quantities_is_two_programs(one_verb, usual, traced_again):
-    """The table is that of one program: also a quantity of many components, and a failed one."""
-    mechanism = example("wu2022")
-    names = ["efficiency", "natural_frequencies", "max_pressure", "drive_torque", "mass"]
-
-    def run():
-        return prsm.sensitivity(mechanism, names, ["lead", "contact_angle"])
-
-    expected, first = usual(run), run()
-    assert len(list(one_verb.iterdir())) == 2
-    traced_again()
-    for table in (first, run()):
-        assert table.quantities == expected.quantities
-        assert table.quantity_units == expected.quantity_units
-        assert table.to_dict().keys() == expected.to_dict().keys()
-        _same(table, expected)
-    assert bool(expected.valid)
-    broken = set_parameters(mechanism, {"contact_angle": float("nan")}, checked=False)
-    table = prsm.sensitivity(broken, names, ["lead", "contact_angle"])
-    assert not bool(table.valid)
-    # All parts have to be usable, not only one.
-    parts = [
-        {key: np.ones(1) for key in ("values", "gradient", "elasticity", "elasticity_defined")}
-        | {"by_name": {name: np.ones(())}, "valid": np.asarray(valid)}
-        for name, valid in (("mass", True), ("efficiency", False))
-    ]
-    assert not bool(_sensitivity._joined(parts)["valid"])
 
 
 def test_a_stored_program_has_no_names_of_functions(one_verb):

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
@@ -17,24 +16,11 @@ from ...mechanism import (
     with_traced_counts,
     written_out,
 )
-from ...programs import prepare_program, stored_facts
-from ...quantities import compute, find_quantity
-from ._margin_rows import WHOLE_SCALE, MarginRows, known_margins, probe_positions, sorted_margins
+from ...programs import prepare_program
+from ._margin_rows import WHOLE_SCALE, MarginRows, evaluated, probe_positions, sorted_margins
 from ._outputs import compiled_derivatives, compiled_values, scatter_of
+from ._parts import Results, joined, parts_of
 from ._rows import Rows
-
-
-def _shapes(
-    mechanism: Mechanism, quantities: tuple[str, ...], speed: Scalar | None, load: Scalar | None
-) -> dict[str, tuple[int, ...]]:
-    """Shapes of quantities; `compute` names the quantity for which data are missing."""
-
-    def computed(mechanism, speed, load):
-        return compute(mechanism, quantities, speed=speed, load=load)
-
-    shapes = eqx.filter_eval_shape(computed, mechanism, speed, load)
-    return {name: shapes[name].shape for name in quantities}
-
 
 #: Designs that the program with derivatives evaluates. Another program for values alone takes half
 #: the time or less, and seconds to compile.
@@ -111,7 +97,11 @@ class Evaluator:
         )
         # With tolerances, derivatives take many times as long as values.
         self._with_derivatives: int = _WITH_DERIVATIVES if scatter is None else 0
-        prepare_program(compiled_derivatives, self._given, jnp.zeros(len(names)))
+        self._parts_given = parts_of(self._given)
+        traced = [
+            prepare_program(compiled_derivatives, part, jnp.zeros(len(names)))
+            for part in self._parts_given
+        ]
         if problem.nut_speed is not None and speed is not None:
             raise ValueError(
                 f"speed is {float(speed):g} rad/s and nut_speed {problem.nut_speed:g} m/s; give one"
@@ -121,23 +111,15 @@ class Evaluator:
         some_load = load
         if cases:
             some_speed, some_load = speeds[0], loads[0]
-        shape_of = stored_facts(
-            "shapes",
-            _shapes,
-            mechanism,
-            self.quantities,
-            some_speed,
-            some_load,
-            # A name may be given to another quantity.
-            by=tuple(map(find_quantity, self.quantities)),
-        )
         # A derived number that a variable makes explicit has margins too (the profile radius).
         written = set_parameters(
             mechanism, dict(zip(names, self.lower, strict=True)), checked=False
         )
         if scatter is not None:
             written = scatter.made(written)
-        known = known_margins(written, some_speed, some_load) if margins else ()
+        shape_of, known = evaluated(
+            written, self.quantities, some_speed, some_load, margins=margins, after=traced[0]
+        )
         self.rows: Rows = Rows(problem, shape_of, len(known))
         self.evaluations: int = 0
         self.derivative_evaluations: int = 0
@@ -187,8 +169,12 @@ class Evaluator:
         if self.evaluations < self._with_derivatives:
             if self.evaluations == self._with_derivatives // 2:
                 prepare_program(compiled_values, self._given, position)
-            return compiled_derivatives(self._given, position)
+            return self._with_slopes(position)
         return compiled_values(self._given, position), None
+
+    def _with_slopes(self, position: Array) -> Results:
+        results = [compiled_derivatives(part, position) for part in self._parts_given]
+        return joined(self._given, self._parts_given, results)
 
     def _breaks_margin(self, values: np.ndarray) -> bool:
         rows = slice(self.rows.explicit, None)
@@ -212,7 +198,7 @@ class Evaluator:
         if point.jacobian is None:
             slopes = point.slopes
             if slopes is None:
-                _, slopes = compiled_derivatives(self._given, jnp.asarray(position))
+                _, slopes = self._with_slopes(jnp.asarray(position))
             jacobian = np.concatenate([np.asarray(rows, dtype=float) for rows in slopes])
             self.derivative_evaluations += 1
             if not np.isfinite(jacobian[self._used]).all():

@@ -1,7 +1,8 @@
 """Margins of findings as constraints of a search."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import equinox as eqx
 import numpy as np
@@ -10,7 +11,7 @@ from ...fields import Scalar
 from ...findings import Margin, evaluate_margins, margins_of, sources
 from ...mechanism import Mechanism
 from ...programs import stored_facts
-from ...quantities import Analysis
+from ...quantities import Analysis, evaluate, find_quantity
 
 #: Number of designs in the unit box that show whether a margin depends on the variables.
 _PROBES = 3
@@ -55,32 +56,71 @@ def is_constraint(margin: Margin) -> bool:
     return margin.error_limit is not None and margin.smooth
 
 
-def known_margins(
-    mechanism: Mechanism, speed: Scalar | None, load: Scalar | None
-) -> tuple[Margin, ...]:
-    """The margins for which the mechanism has data."""
-    known = stored_facts("known margins", _names_of_known, mechanism, speed, load, sources())
-    return tuple(m for m in margins_of(mechanism) if _name_of(m) in known)
+#: Name, stage, subject and levels of a margin.
+_Label: TypeAlias = tuple[str, int, str, Any]
 
 
-def _name_of(margin: Margin) -> tuple[Any, ...]:
+def evaluated(
+    mechanism: Mechanism,
+    quantities: tuple[str, ...],
+    speed: Scalar | None,
+    load: Scalar | None,
+    *,
+    margins: bool,
+    after: Callable[[], object],
+) -> tuple[dict[str, tuple[int, ...]], tuple[Margin, ...]]:
+    """Shapes of quantities, and the margins for which the mechanism has data.
+
+    **Arguments:**
+
+    - `mechanism`, `quantities`, `speed`, `load`: as for `compute`.
+    - `margins`: whether there are margins.
+    - `after`: as for `stored_facts`.
+
+    **Raises:** `MissingDataError` that names the quantity for which data are missing.
+    """
+    shapes, known = stored_facts(
+        "shapes and margins",
+        _shapes_and_margins,
+        mechanism,
+        quantities,
+        speed,
+        load,
+        sources() if margins else None,
+        # A name may be given to another quantity.
+        by=tuple(map(find_quantity, quantities)),
+        after=after,
+    )
+    if not margins:
+        return shapes, ()
+    return shapes, tuple(one for one in margins_of(mechanism) if _label_of(one) in known)
+
+
+def _label_of(margin: Margin) -> _Label:
     return margin.name, margin.stage, margin.subject, margin.levels
 
 
-def _names_of_known(
-    mechanism: Mechanism, speed: Scalar | None, load: Scalar | None, _: tuple[Any, ...]
-) -> set[tuple[Any, ...]]:
-    """Names of the margins that can be evaluated; other sources have other margins."""
-    known: set[tuple[Any, ...]] = set()
+def _shapes_and_margins(
+    mechanism: Mechanism,
+    quantities: tuple[str, ...],
+    speed: Scalar | None,
+    load: Scalar | None,
+    origins: tuple[Any, ...] | None,
+) -> tuple[dict[str, tuple[int, ...]], set[_Label]]:
+    """From one trace; other sources have other margins."""
+    known: set[_Label] = set()
 
     def try_all(traced, speed, load):
         analysis = Analysis(traced, speed, load)
-        values = evaluate_margins(analysis, is_constraint, details=False)
-        pairs = zip(margins_of(traced), values, strict=True)
-        known.update(_name_of(margin) for margin, numbers in pairs if numbers is not None)
+        values = evaluate(analysis, quantities)
+        if origins is not None:
+            found = evaluate_margins(analysis, is_constraint, details=False)
+            pairs = zip(margins_of(traced), found, strict=True)
+            known.update(_label_of(margin) for margin, numbers in pairs if numbers is not None)
+        return values
 
-    eqx.filter_eval_shape(try_all, mechanism, speed, load)
-    return known
+    shapes = eqx.filter_eval_shape(try_all, mechanism, speed, load)
+    return {name: shapes[name].shape for name in quantities}, known
 
 
 def probe_positions(variables: int) -> np.ndarray:

@@ -179,7 +179,6 @@ def compiled_derivatives(inputs: tuple[Any, ...], position: Float[Array, " varia
 
     With tolerances only the derivatives, and `None` in place of the outputs.
     """
-    unit = jnp.eye(position.shape[0], dtype=position.dtype)
 
     def outputs(point):
         arrays, valid = outputs_at(inputs, point)
@@ -190,8 +189,8 @@ def compiled_derivatives(inputs: tuple[Any, ...], position: Float[Array, " varia
         def column(along):
             return jax.jvp(outputs, (position,), (along,), has_aux=True)[1]
 
-        columns = jax.lax.map(column, unit)
+        columns = jax.lax.map(column, jnp.eye(position.shape[0], dtype=position.dtype))
         return None, [jnp.moveaxis(one, 0, -1) for one in columns]
-    # Forward mode: one pass per variable, and there are few variables.
-    _, push, found = jax.linearize(outputs, position, has_aux=True)
-    return found, jax.vmap(push, out_axes=-1)(unit)
+    # Forward mode, for there are few variables; a linearisation takes longer to trace and compile.
+    slopes, found = jax.jacfwd(outputs, has_aux=True)(position)
+    return found, slopes
