@@ -25,7 +25,7 @@ from prsm_jax.optimisation import (
     TrustConstr,
     optimise,
 )
-from prsm_jax.optimisation.search import search_of
+from prsm_jax.optimisation.search import _constrained, search_of
 
 # What stands in for the functions of a search is none, and errors are those that a user sees.
 pytestmark = pytest.mark.usefixtures("unchecked")
@@ -176,6 +176,42 @@ def test_the_memory_of_lbfgs():
     assert short > 1.2 * long
 
 
+@pytest.mark.parametrize("limits", [(None, None), (-np.inf, 0.7), (0.95, np.inf), (0.8, 0.8)])
+def test_slsqp_stops_one_step_after_the_tolerance(limits):
+    """Also where rounding of the cost lets SciPy's line search go on."""
+    tolerance = 1e-7
+    lower, upper = limits
+    bowl = _bowl(lower, upper)
+    cost, evaluated, iterates = bowl.cost, [], []
+
+    def noisy(x):
+        evaluated.append(x)
+        return cost(x) + 1e-13 * np.sin(1e10 * x[0])
+
+    # A cost of third order, so that no step meets its minimum at once.
+    bowl.cost = lambda x: noisy(x) + (x[0] - MIDDLE[0]) ** 4 + (x[1] - MIDDLE[1]) ** 4
+    bowl.gradient = lambda x: 2 * WEIGHTS * (x - MIDDLE) + 4 * (x - MIDDLE) ** 3
+    found = Slsqp().search(bowl, START, tolerance, iterates.append)
+    # On the line of an equality the search ends before a second such iterate.
+    assert lower == 0.8 or found.message == "KKT residual below tolerance"
+    assert found.iterations == len(iterates)
+    assert len(evaluated) < 40
+
+    def residual(x):
+        """Along the limit, where there is one; else of the whole gradient."""
+        slope = bowl.gradient(x)
+        if lower is None:
+            return np.max(np.abs(slope))
+        ends = [end for end in limits if np.isfinite(end)]
+        return max(abs(slope[0] - slope[1]) / 2, abs(np.sum(x) - ends[0]))
+
+    within = [residual(x) <= tolerance for x in iterates]
+    assert lower == 0.8 or within[-2:] == [True, True]
+    assert not any(one and other for one, other in zip(within[:-2], within[1:-1], strict=True))
+    np.testing.assert_array_equal(found.position, iterates[-1])
+    assert residual(found.position) < tolerance / 10
+
+
 @pytest.mark.parametrize("restarts", [0, 1])
 def test_restarts_of_slsqp(restarts, monkeypatch):
     calls, minimise = [], scipy.optimize.minimize
@@ -186,6 +222,7 @@ def test_restarts_of_slsqp(restarts, monkeypatch):
 
     monkeypatch.setattr(scipy.optimize, "minimize", counted)
     method = Slsqp(restarts=restarts, max_iterations=50)
+    monkeypatch.setattr(_constrained, "_residual", lambda *_: 1.0)
     found = method.search(_bowl(), START, 1e-9, _ignore)
     assert len(calls) == 1 + restarts
     # Iterations of the first count for the second.

@@ -14,6 +14,7 @@ def one_verb(monkeypatch, tmp_path):
     monkeypatch.setattr(_one_verb, "_one_verb", True)
     monkeypatch.setattr(_stored, "_used", {})
     monkeypatch.setattr(_stored, "_asked", set())
+    monkeypatch.setattr(_stored, "_prepared", {})
     jax.config.update("jax_compilation_cache_dir", str(tmp_path))
     yield tmp_path / "programs"
     jax.config.update("jax_compilation_cache_dir", before)

@@ -1,6 +1,6 @@
 """The result of an optimisation, and its optimality."""
 
-from ._optimality import (
+from .._optimality import (
     Optimality as Optimality,
     optimality as optimality,
     worst_case_optimality as worst_case_optimality,

@@ -7,8 +7,8 @@ from ...geometry import Finding
 from ...mechanism import DesignProblem, Mechanism, find_parameters, set_parameters
 from ...quantities import find_quantity
 from ...text import display_unit
+from .._optimality import Optimality
 from ..search import Evaluator, Point
-from ._optimality import Optimality
 from ._optimum import ConstraintReport, Design, Optimum, Run
 
 

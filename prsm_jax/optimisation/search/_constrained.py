@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from .._optimality import optimality
 from ._functions import SearchFunctions
 from ._method import Report, SearchResult, WithOptions, check_at_least
 
@@ -33,9 +34,38 @@ def nonlinear_constraints(functions: SearchFunctions) -> list[Any]:
     ]
 
 
+class _Optimal(Exception):
+    """Ends a search at an optimum."""
+
+
+def _residual(functions: SearchFunctions, position: np.ndarray, tolerance: float) -> float:
+    """Karush–Kuhn–Tucker residual at a position; infinite where the design fails."""
+    if not functions.usable(position):
+        return np.inf
+    lower, upper = functions.limits
+    values, jacobian = np.zeros(0), np.zeros((0, len(position)))
+    if len(lower):
+        values = functions.constraint_values(position)
+        jacobian = functions.constraint_jacobian(position)
+    conditions = optimality(
+        position,
+        functions.gradient(position),
+        values,
+        jacobian,
+        lower,
+        upper,
+        active_tolerance=max(tolerance, 1e-9),
+    )
+    return conditions.residual
+
+
 @dataclass(frozen=True)
 class Slsqp(WithOptions):
     """Sequential least squares programming (Kraft 1988), by SciPy. Accepts constraints.
+
+    It stops at the second iterate in succession whose Karush–Kuhn–Tucker residual is within the
+    tolerance: after the first one, a step adds several digits. By its own criteria SciPy may go on
+    for hundreds of steps as small as rounding.
 
     **Arguments:**
 
@@ -83,25 +113,40 @@ class Slsqp(WithOptions):
                 }
             )
         position, iterations, message = start, 0, ""
-        for _ in range(1 + self.restarts):
-            result = optimize.minimize(
-                functions.cost,
-                position,
-                jac=functions.gradient,
-                method="SLSQP",
-                bounds=[(0.0, 1.0)] * len(start),
-                constraints=constraints,
-                callback=lambda iterate: report(np.clip(iterate, 0.0, 1.0)),
-                options={"maxiter": max(maximum - iterations, 1), "ftol": COST_TOLERANCE},
-            )
-            moved = np.clip(result.x, 0.0, 1.0)
-            iterations += int(result.nit)
-            message = str(result.message)
-            settled = np.max(np.abs(moved - position)) <= tolerance
-            # With contradictory linearised constraints (status 4) a restart changes nothing.
-            position = moved
-            if settled or result.status == 4 or iterations >= maximum:
-                break
+        done = within = 0
+
+        def look(iterate: np.ndarray) -> None:
+            nonlocal position, done, within
+            # Rounding may move an iterate out of the box.
+            iterate, done = np.clip(iterate, 0.0, 1.0), done + 1
+            report(iterate)
+            within = within + 1 if _residual(functions, iterate, tolerance) <= tolerance else 0
+            if within == 2:
+                position = iterate
+                raise _Optimal
+
+        try:
+            for _ in range(1 + self.restarts):
+                result = optimize.minimize(
+                    functions.cost,
+                    position,
+                    jac=functions.gradient,
+                    method="SLSQP",
+                    bounds=[(0.0, 1.0)] * len(start),
+                    constraints=constraints,
+                    callback=look,
+                    options={"maxiter": max(maximum - iterations, 1), "ftol": COST_TOLERANCE},
+                )
+                moved = np.clip(result.x, 0.0, 1.0)
+                done = iterations = iterations + int(result.nit)
+                message = str(result.message)
+                settled = np.max(np.abs(moved - position)) <= tolerance
+                # With contradictory linearised constraints (status 4) a restart changes nothing.
+                position = moved
+                if settled or result.status == 4 or iterations >= maximum:
+                    break
+        except _Optimal:
+            message, iterations = "KKT residual below tolerance", done
         return SearchResult(position, message, iterations)
 
 
