@@ -8,6 +8,7 @@ from ._batches import (
 )
 from ._folder import CACHE_VARIABLE as CACHE_VARIABLE, usual_folder as usual_folder
 from ._one_program import (
+    bind_program as bind_program,
     is_known as is_known,
     one_program as one_program,
     one_program_where_possible as one_program_where_possible,

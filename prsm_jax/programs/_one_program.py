@@ -10,10 +10,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
+from jaxtyping import Array
 
 from ._one_verb import runs_one_verb
 from ._origin import origin_of
-from ._stored import is_foreign, nothing, prepare, run_stored
+from ._stored import is_foreign, nothing, prepare, run_stored, used_program
 
 _Params = ParamSpec("_Params")
 _Return = TypeVar("_Return")
@@ -162,6 +163,58 @@ def prepare_program(
     plain = inspect.unwrap(function)
     words, repeated = plain.__name__, plain in _repeated
     return prepare(_name_of(plain), _of_pair(plain), args, kwargs, words=words, repeated=repeated)
+
+
+def bind_program(function: Callable[..., Any], *given: Any) -> Callable[[Array], Any]:
+    """A function whose program is called again and again with other numbers in the last place.
+
+    To look at a mechanism for each call takes longer than the call of a compiled program.
+
+    **Arguments:**
+
+    - `function`: made by `one_program_where_possible`; returns arrays.
+    - `given`: its `traceable` arguments but the last one.
+
+    **Returns:** the function of its last argument, an array.
+    """
+    if not _can_be_kept(given):
+        return functools.partial(function, *given)
+    plain = inspect.unwrap(function)
+    if not runs_one_verb():
+        leaves, structure = jax.tree.flatten(given)
+        static = tuple(_ARRAY if eqx.is_array(leaf) else leaf for leaf in leaves)
+        # `True` equals 1.
+        program = _of_arrays(plain, structure, static, tuple(map(type, static)))
+        return functools.partial(program, [leaf for leaf in leaves if eqx.is_array(leaf)])
+    quick: Callable[[Array], Any] | None = None
+
+    def run(last: Array) -> Any:
+        nonlocal quick
+        if quick is not None:
+            return quick(last)
+        found = function(*given, last)
+        quick = used_program(_name_of(plain), (*given, last), {})
+        return found
+
+    return run
+
+
+#: Stands for an array among static leaves.
+_ARRAY = object()
+
+
+@functools.lru_cache(maxsize=256)
+def _of_arrays(
+    function: Callable[..., Any], structure: Any, static: tuple[Any, ...], _: tuple[type, ...]
+) -> Callable[..., Any]:
+    """A compiled function of the arrays in a tree, and of a last argument."""
+
+    def run(arrays: list[Array], last: Array) -> Any:
+        rest = iter(arrays)
+        leaves = [next(rest) if leaf is _ARRAY else leaf for leaf in static]
+        return function(*jax.tree.unflatten(structure, leaves), last)
+
+    return jax.jit(run)
 
 
 def _can_be_kept(tree) -> bool:

@@ -98,6 +98,21 @@ def run_stored(
     return program(call.arrays)
 
 
+def used_program(name: str, *args: Any) -> Callable[..., Any] | None:
+    """A stored program that this process has used, as a function of its last argument alone.
+
+    **Arguments:** those of `run_stored`; the last number among `args` is that last argument.
+
+    **Returns:** the function, or `None` if there is no such program.
+    """
+    call = Call(name, nothing, args)
+    program = _used.get(call.question)
+    if program is None:
+        return None
+    known = call.arrays[:-1]
+    return lambda last: program([*known, last])
+
+
 def _can_be_stored(args: tuple[Any, ...]) -> bool:
     return bool(jax.config.jax_compilation_cache_dir) and _is_known(args)  # type: ignore[attr-defined]
 

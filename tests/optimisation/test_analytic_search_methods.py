@@ -1,5 +1,6 @@
 """Searches as objects that carry their options: against words, closed forms and known minima."""
 
+import itertools
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
@@ -207,7 +208,7 @@ def test_slsqp_stops_one_step_after_the_tolerance(limits):
 
     within = [residual(x) <= tolerance for x in iterates]
     assert lower == 0.8 or within[-2:] == [True, True]
-    assert not any(one and other for one, other in zip(within[:-2], within[1:-1], strict=True))
+    assert not any(one and other for one, other in itertools.pairwise(within[:-1]))
     np.testing.assert_array_equal(found.position, iterates[-1])
     assert residual(found.position) < tolerance / 10
 

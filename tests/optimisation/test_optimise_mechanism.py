@@ -61,20 +61,23 @@ def test_a_long_search_goes_on_without_derivatives(monkeypatch):
     """The second program gives the values and derivatives of the first, and is compiled beside."""
     monkeypatch.setattr(_evaluator, "_WITH_DERIVATIVES", 4)
     asked, prepared = [], []
-    for name in ("compiled_values", "compiled_derivatives"):
-        program = getattr(_evaluator, name)
+    bind = _evaluator.bind_program
 
-        def record(inputs, position, name=name, program=program):
-            asked.append(name.removeprefix("compiled_"))
-            return program(inputs, position)
+    def recorded(function, *given):
+        program, name = bind(function, *given), function.__name__.removeprefix("compiled_")
 
-        monkeypatch.setattr(_evaluator, name, record)
-    programs = [_evaluator.compiled_derivatives, _evaluator.compiled_values]
+        def run(position):
+            asked.append(name)
+            return program(position)
+
+        return run
 
     def prepare(function, *_):
         prepared.append((function, len(asked)))
         return lambda: None
 
+    programs = [_evaluator.compiled_derivatives, _evaluator.compiled_values]
+    monkeypatch.setattr(_evaluator, "bind_program", recorded)
     monkeypatch.setattr(_evaluator, "prepare_program", prepare)
     problem = DesignProblem((Variable("lead", 5e-3, 15e-3),), (Objective("max_pressure"),))
     search = Evaluator(scenes.frictionless(), problem, None, None, margins=False)

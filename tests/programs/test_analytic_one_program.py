@@ -15,6 +15,7 @@ import pytest
 from jax.core import Tracer
 
 import prsm_jax as prsm
+from prsm_jax.programs import _one_verb, bind_program, one_program_where_possible
 from prsm_jax.programs._one_program import one_program
 from tests.scenes import array, mechanism, stage
 
@@ -244,3 +245,58 @@ def test_every_way_to_differentiate_outside_of_a_program():
     for twice in (jax.hessian(travel), jax.grad(jax.grad(travel))):
         np.testing.assert_allclose(twice(lead), second, rtol=1e-5)
     assert abs(float(second)) > 0
+
+
+_traces: list[int] = []
+
+
+def _scaled(given, place):
+    """A tree of numbers and words in the first place, an array in the last."""
+    _traces.append(given["power"])
+    return given["factor"] * place ** given["power"], -place
+
+
+_compiled_scaled = one_program_where_possible(_scaled)
+
+
+@pytest.mark.parametrize("of_one_verb", [False, True])
+def test_a_bound_program_is_that_of_the_function(of_one_verb, monkeypatch):
+    """Compiled once for all numbers, also in another binding; again for other words."""
+    monkeypatch.setattr(_one_verb, "_one_verb", of_one_verb)
+    _traces.clear()
+    place = jnp.arange(3.0)
+    for factor in (2.0, 5.0):
+        given = {"factor": jnp.asarray(factor), "power": 3}
+        bound = bind_program(_compiled_scaled, given)
+        for shift in (0.0, 1.0, 2.0):
+            values, negative = bound(place + shift)
+            np.testing.assert_allclose(values, factor * (np.arange(3.0) + shift) ** 3, rtol=1e-15)
+            np.testing.assert_array_equal(negative, -(np.arange(3.0) + shift))
+    assert _traces == [3]
+    other = bind_program(_compiled_scaled, {"factor": jnp.asarray(2.0), "power": 2})
+    np.testing.assert_allclose(other(place)[0], 2 * np.arange(3.0) ** 2, rtol=1e-15)
+    assert _traces == [3, 2]
+
+
+def test_true_and_one_are_not_the_same_to_a_bound_program():
+    kind = one_program_where_possible(_number_of_kind)
+    place = jnp.zeros(())
+    assert [float(bind_program(kind, one)(place)) for one in (1, True, 1)] == [0.0, 1.0, 0.0]
+
+
+def _number_of_kind(given, place):
+    return place + float(isinstance(given, bool))
+
+
+def test_what_cannot_be_hashed_is_bound_without_a_program():
+    bound = bind_program(one_program_where_possible(_first_and_last), {"words": _Unhashable()})
+    assert float(bound(jnp.asarray(2.0))) == 4.0
+
+
+class _Unhashable:
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _first_and_last(given, place):
+    assert isinstance(given["words"], _Unhashable)
+    return 2 * place

@@ -19,7 +19,7 @@ from prsm_jax.mechanism import (
     set_parameters,
 )
 from prsm_jax.optimisation.search import Evaluator
-from prsm_jax.optimisation.search._parts import joined, parts_of
+from prsm_jax.optimisation.search._parts import parts_of
 from prsm_jax.programs import one_program_where_possible, prepare_program, stored_facts
 from prsm_jax.quantities import by_friction
 from prsm_jax.sensitivities import _sensitivity
@@ -90,14 +90,21 @@ def test_a_search_with_friction_and_without_is_two_programs(one_verb, usual, poi
 
 @pytest.mark.parametrize("usable", [(True, True), (True, False), (False, True)])
 def test_both_parts_of_a_search_have_to_be_usable(one_verb, usable):
-    inputs = Evaluator(
-        example("wu2022"), _problem(("mass", "efficiency")), None, None, margins=False
-    ).program_inputs
-    parts = parts_of(inputs)
+    problem = _problem(("mass", "efficiency"))
+    search = Evaluator(example("wu2022"), problem, None, None, margins=False)
     # The mass is in the first part.
-    results = [(([jnp.ones(1)], jnp.asarray(one)), [jnp.ones((1, 2))]) for one in usable]
-    (_, valid), _ = joined(inputs, parts, results)
-    assert bool(valid) == all(usable)
+    search._derivatives = [
+        lambda _, one=one, number=number: (
+            (jnp.full(1, number), jnp.asarray(one)),
+            jnp.full((1, 2), -number),
+        )
+        for number, one in zip((2.0, 3.0), usable, strict=True)
+    ]
+    point = search.point(np.array([0.3, 0.6]))
+    assert point.good == all(usable)
+    # The objective is named first.
+    np.testing.assert_array_equal(point.values, [3.0, 2.0])
+    np.testing.assert_array_equal(point.slopes, [[-3.0, -3.0], [-2.0, -2.0]])
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from prsm_jax.programs import (
     _files,
     _one_verb,
     _stored,
+    bind_program,
     one_program_where_possible,
     prepare_program,
     repeated_program,
@@ -214,6 +215,16 @@ def test_a_program_is_prepared_beside_other_work(
     assert not works_beside()
     with pytest.raises(pytest.fail.Exception, match="traced again"):
         stored_function(jnp.asarray([0.3]))
+
+
+def test_a_bound_program_is_looked_up_once(one_verb, traced_again, stored_function, monkeypatch):
+    """A later call only runs it: neither reads, nor asks what the arguments are."""
+    bound = bind_program(stored_function)
+    first = bound(jnp.asarray(0.3))
+    assert len(list(one_verb.iterdir())) == 1
+    monkeypatch.setattr(Call, "__init__", lambda *_, **__: pytest.fail("looked up again"))
+    assert bound(jnp.asarray(0.3)) == first
+    assert bound(jnp.asarray(0.4)) == pytest.approx(np.sin(0.4) + np.cos(0.4), rel=1e-14)
 
 
 def test_the_check_is_traced_while_the_first_program_is_compiled(one_verb, usual, monkeypatch):

@@ -16,28 +16,28 @@ from ...mechanism import (
     with_traced_counts,
     written_out,
 )
-from ...programs import prepare_program
+from ...programs import bind_program, prepare_program
 from ._margin_rows import WHOLE_SCALE, MarginRows, evaluated, probe_positions, sorted_margins
 from ._outputs import compiled_derivatives, compiled_values, scatter_of
-from ._parts import Results, joined, parts_of
+from ._parts import order_of, parts_of
 from ._rows import Rows
 
-#: Designs that the program with derivatives evaluates. Another program for values alone takes half
-#: the time or less, and seconds to compile.
-_WITH_DERIVATIVES = 500
+#: Designs that the program with derivatives evaluates. Another one for values alone takes half a
+#: millisecond less, and seconds to compile.
+_WITH_DERIVATIVES = 5000
 
 
 class Point:
     """One evaluated design; derivatives are added on demand."""
 
     def __init__(
-        self, position: np.ndarray, values: np.ndarray, good: bool, slopes: Sequence[Array] | None
+        self, position: np.ndarray, values: np.ndarray, good: bool, slopes: np.ndarray | None
     ):
         self.position: np.ndarray = position
         self.values: np.ndarray = values
         self.good: bool = good
         #: Derivatives, where they were calculated with the values.
-        self.slopes: Sequence[Array] | None = slopes
+        self.slopes: np.ndarray | None = slopes
         self.jacobian: np.ndarray | None = None
 
 
@@ -97,11 +97,12 @@ class Evaluator:
         )
         # With tolerances, derivatives take many times as long as values.
         self._with_derivatives: int = _WITH_DERIVATIVES if scatter is None else 0
-        self._parts_given = parts_of(self._given)
+        parts = parts_of(self._given)
         traced = [
-            prepare_program(compiled_derivatives, part, jnp.zeros(len(names)))
-            for part in self._parts_given
+            prepare_program(compiled_derivatives, part, jnp.zeros(len(names))) for part in parts
         ]
+        self._values = bind_program(compiled_values, self._given)
+        self._derivatives = [bind_program(compiled_derivatives, part) for part in parts]
         if problem.nut_speed is not None and speed is not None:
             raise ValueError(
                 f"speed is {float(speed):g} rad/s and nut_speed {problem.nut_speed:g} m/s; give one"
@@ -121,6 +122,12 @@ class Evaluator:
             written, self.quantities, some_speed, some_load, margins=margins, after=traced[0]
         )
         self.rows: Rows = Rows(problem, shape_of, len(known))
+        #: Where the numbers stand among those of several programs.
+        self._order: np.ndarray | None = None
+        if len(parts) > 1:
+            count = len(cases) or 1
+            sizes = {name: count * int(np.prod(shape)) for name, shape in shape_of.items()}
+            self._order = order_of(self._given, parts, sizes, len(known))
         self.evaluations: int = 0
         self.derivative_evaluations: int = 0
         self._last: Point | None = None
@@ -155,26 +162,32 @@ class Evaluator:
         """The design at a position; the last one is cached."""
         if self._last is not None and np.array_equal(self._last.position, position):
             return self._last
-        (arrays, valid), slopes = self._evaluated(jnp.asarray(position))
+        values, valid, slopes = self._evaluated(jnp.asarray(position))
         self.evaluations += 1
-        values = np.concatenate([np.asarray(array, dtype=float) for array in arrays])
-        good = bool(valid) and bool(np.isfinite(values[self._used]).all())
+        good = valid and bool(np.isfinite(values[self._used]).all())
         if good and self.guarded:
             good = not self._breaks_margin(values)
         self._last = Point(np.array(position), values, good, slopes)
         return self._last
 
-    def _evaluated(self, position: Array) -> tuple[Any, Sequence[Array] | None]:
-        """Outputs at a position, and derivatives if the program calculates them."""
+    def _evaluated(self, position: Array) -> tuple[np.ndarray, bool, np.ndarray | None]:
+        """All numbers, whether they can be used, and derivatives if the program calculates them."""
         if self.evaluations < self._with_derivatives:
             if self.evaluations == self._with_derivatives // 2:
                 prepare_program(compiled_values, self._given, position)
-            return self._with_slopes(position)
-        return compiled_values(self._given, position), None
+            found, slopes = self._with_slopes(position)
+            values = self._joined([numbers for numbers, _ in found])
+            return values, all(bool(valid) for _, valid in found), slopes
+        numbers, valid = self._values(position)
+        return np.asarray(numbers, dtype=float), bool(valid), None
 
-    def _with_slopes(self, position: Array) -> Results:
-        results = [compiled_derivatives(part, position) for part in self._parts_given]
-        return joined(self._given, self._parts_given, results)
+    def _with_slopes(self, position: Array) -> tuple[list[Any], np.ndarray]:
+        results = [program(position) for program in self._derivatives]
+        return [found for found, _ in results], self._joined([slopes for _, slopes in results])
+
+    def _joined(self, parts: Sequence[Array]) -> np.ndarray:
+        joined = np.concatenate([np.asarray(part, dtype=float) for part in parts])
+        return joined if self._order is None else joined[self._order]
 
     def _breaks_margin(self, values: np.ndarray) -> bool:
         rows = slice(self.rows.explicit, None)
@@ -196,10 +209,9 @@ class Evaluator:
         """Derivatives of all quantities with respect to the position; 0 where not finite."""
         point = self.point(position)
         if point.jacobian is None:
-            slopes = point.slopes
-            if slopes is None:
-                _, slopes = self._with_slopes(jnp.asarray(position))
-            jacobian = np.concatenate([np.asarray(rows, dtype=float) for rows in slopes])
+            jacobian = point.slopes
+            if jacobian is None:
+                _, jacobian = self._with_slopes(jnp.asarray(position))
             self.derivative_evaluations += 1
             if not np.isfinite(jacobian[self._used]).all():
                 point.good = False

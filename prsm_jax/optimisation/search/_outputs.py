@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 from ...fields import Scalar
 from ...findings import evaluate_margins, margins_of, shared_loads
 from ...mechanism import Mechanism, find_parameters, set_parameters, tolerance_zones
+from ...numerics import apart
 from ...programs import repeated_program
 from ...quantities import Analysis, find_quantity
 from ._margin_rows import is_constraint
@@ -167,17 +168,26 @@ def _analysed(
     return outputs, analysis.computed
 
 
+def _concatenated(arrays: list[Array]) -> Array:
+    return jnp.concatenate(arrays)
+
+
+#: XLA would recompute what it concatenates for each element; one array is sooner copied than many.
+_as_one = apart(_concatenated, whole=True)
+
+
 @repeated_program
 def compiled_values(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
-    """`outputs_at`, compiled."""
-    return outputs_at(inputs, position)
+    """All numbers of `outputs_at` as one array, compiled, and whether the design is usable."""
+    arrays, valid = outputs_at(inputs, position)
+    return _as_one(arrays), valid
 
 
 @repeated_program
 def compiled_derivatives(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
-    """`outputs_at` with the derivatives of its arrays by the position, variables last.
+    """`compiled_values`, and the derivatives of the numbers by the position, variables last.
 
-    With tolerances only the derivatives, and `None` in place of the outputs.
+    With tolerances only the derivatives, and `None` in place of the values.
     """
 
     def outputs(point):
@@ -190,7 +200,7 @@ def compiled_derivatives(inputs: tuple[Any, ...], position: Float[Array, " varia
             return jax.jvp(outputs, (position,), (along,), has_aux=True)[1]
 
         columns = jax.lax.map(column, jnp.eye(position.shape[0], dtype=position.dtype))
-        return None, [jnp.moveaxis(one, 0, -1) for one in columns]
+        return None, _as_one([jnp.moveaxis(one, 0, -1) for one in columns])
     # Forward mode, for there are few variables; a linearisation takes longer to trace and compile.
-    slopes, found = jax.jacfwd(outputs, has_aux=True)(position)
-    return found, slopes
+    slopes, (arrays, valid) = jax.jacfwd(outputs, has_aux=True)(position)
+    return (_as_one(arrays), valid), _as_one(slopes)

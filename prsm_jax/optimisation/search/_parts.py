@@ -1,16 +1,13 @@
 """The programs with derivatives of a search: one, or two that are compiled beside each other."""
 
-from collections.abc import Sequence
-from typing import Any, TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
-from jaxtyping import Array
 
 from ...programs import runs_one_verb
 from ...quantities import by_friction
 
-#: Outputs of a program as `outputs_at` returns them (with tolerances `None`), and derivatives.
-Results: TypeAlias = tuple[Any, Sequence[Array]]
 #: Places of quantities and margins among the inputs of `outputs_at`.
 _QUANTITIES, _MARGINS = 2, 3
 
@@ -34,26 +31,28 @@ def _with(inputs: tuple[Any, ...], quantities: tuple[str, ...], margins: Any) ->
     return *inputs[:_QUANTITIES], quantities, margins, *inputs[_MARGINS + 1 :]
 
 
-def joined(
-    inputs: tuple[Any, ...], parts: Sequence[tuple[Any, ...]], results: Sequence[Results]
-) -> Results:
-    """Results of the parts in the order of one program.
+def order_of(
+    inputs: tuple[Any, ...],
+    parts: Sequence[tuple[Any, ...]],
+    sizes: Mapping[str, int],
+    margins: int,
+) -> np.ndarray:
+    """Where the numbers of one program stand among those of all parts, one part after the other.
 
     **Arguments:**
 
-    - `inputs`: of `outputs_at`.
-    - `parts`: `parts_of(inputs)`.
-    - `results`: of each part.
+    - `inputs`: of `outputs_at`, without tolerances.
+    - `parts`: `parts_of(inputs)`, at least two.
+    - `sizes`: number of components by the name of a quantity.
+    - `margins`: number of margins.
     """
-    if len(parts) == 1:
-        return results[0]
-    found: dict[str, tuple[Array, Array]] = {}
-    margins: list[tuple[Array, Array]] = []
-    for part, ((arrays, _), slopes) in zip(parts, results, strict=True):
-        pairs = list(zip(arrays, slopes, strict=True))
-        names = part[_QUANTITIES]
-        found |= dict(zip(names, pairs[: len(names)], strict=True))
-        margins += pairs[len(names) :]
-    pairs = [*(found[name] for name in inputs[_QUANTITIES]), *margins]
-    valid = np.all([valid for (_, valid), _ in results])
-    return ([array for array, _ in pairs], valid), [slopes for _, slopes in pairs]
+    found: dict[str, np.ndarray] = {}
+    of_margins, first = np.zeros(0, int), 0
+    for part in parts:
+        for name in part[_QUANTITIES]:
+            found[name] = first + np.arange(sizes[name])
+            first += sizes[name]
+        if part[_MARGINS] is not None:
+            of_margins = first + np.arange(margins)
+            first += margins
+    return np.concatenate([*(found[name] for name in inputs[_QUANTITIES]), of_margins])
