@@ -44,12 +44,13 @@ class Point:
 class Evaluator:
     """Cost, constraints and derivatives over the unit box, each design evaluated once.
 
-    Cost, constraints and their derivatives come from one compiled function; a long search has
-    another one without derivatives. The mechanism and the bounds are arguments of both, so that
-    another problem with the same names does not compile again; numbers of rollers in `counts` are
-    numbers of the program, not part of it. `cost` and `constraint_values` are in units of
-    `cost_scale` and `row_scale`, typical magnitudes found at the first good design. `meanwhile` is
-    called when the program may still be compiling, before the first evaluation.
+    Cost, constraints and their derivatives come from one compiled function, or from two
+    (`parts_of`); a very long search has another one without derivatives. The mechanism and the
+    bounds are arguments of these, so that another problem with the same names does not compile
+    again; numbers of rollers in `counts` are numbers of the program, not part of it. `cost` and
+    `constraint_values` are in units of `cost_scale` and `row_scale`, typical magnitudes found at
+    the first good design. `meanwhile` is called when the program may still be compiling, before the
+    first evaluation.
     """
 
     def __init__(
