@@ -177,8 +177,9 @@ def bind_program(function: Callable[..., Any], *given: Any) -> Callable[[Array],
 
     **Returns:** the function of its last argument, an array.
     """
+    usual = functools.partial(function, *given)
     if not _can_be_kept(given):
-        return functools.partial(function, *given)
+        return usual
     plain = inspect.unwrap(function)
     if not runs_one_verb():
         leaves, structure = jax.tree.flatten(given)
@@ -192,8 +193,9 @@ def bind_program(function: Callable[..., Any], *given: Any) -> Callable[[Array],
         nonlocal quick
         if quick is not None:
             return quick(last)
-        found = function(*given, last)
-        quick = used_program(_name_of(plain), (*given, last), {})
+        found = usual(last)
+        # What cannot be stored is called as usual.
+        quick = used_program(_name_of(plain), (*given, last), {}) or usual
         return found
 
     return run

@@ -6,7 +6,7 @@ from ._catalogue import find_quantity
 
 
 def by_friction(names: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names of the quantities that assume a law of friction, and of all others.
+    """Names of the quantities that depend on friction, and of all others.
 
     Those with friction need the steady state, and share little else with the others.
 

@@ -189,7 +189,7 @@ def test_slsqp_stops_one_step_after_the_tolerance(limits):
         evaluated.append(x)
         return cost(x) + 1e-13 * np.sin(1e10 * x[0])
 
-    # A cost of third order, so that no step meets its minimum at once.
+    # A cost of fourth order, so that no step meets its minimum at once.
     bowl.cost = lambda x: noisy(x) + (x[0] - MIDDLE[0]) ** 4 + (x[1] - MIDDLE[1]) ** 4
     bowl.gradient = lambda x: 2 * WEIGHTS * (x - MIDDLE) + 4 * (x - MIDDLE) ** 3
     found = Slsqp().search(bowl, START, tolerance, iterates.append)

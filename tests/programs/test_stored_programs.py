@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from alike import same_but_for_rounding
 from scenes import example
 
 import prsm_jax as prsm
@@ -31,7 +32,7 @@ from prsm_jax.programs import (
 from prsm_jax.programs._call import Call
 
 
-def test_a_stored_check_finds_the_same(one_verb, usual, traced_again):
+def test_a_stored_check_finds_thesame_but_for_rounding(one_verb, usual, traced_again):
     mechanism = example("wu2022")
     expected = usual(lambda: prsm.check(mechanism))
     assert expected
@@ -99,13 +100,6 @@ def test_the_next_process_reads_what_an_explanation_counted(one_verb, usual, mon
         assert run(name) == found
 
 
-def _same(found, expected):
-    """The same structure, classes and words; numbers but for another order of additions."""
-    assert jax.tree.structure(found) == jax.tree.structure(expected)
-    for one, other in zip(jax.tree.leaves(found), jax.tree.leaves(expected), strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-12 * np.max(np.abs(other)))
-
-
 def test_public_functions_read_their_stored_programs(one_verb, usual, traced_again):
     """Result objects, their static parts included, come back without tracing."""
     mechanism = example("wu2022")
@@ -115,12 +109,12 @@ def test_public_functions_read_their_stored_programs(one_verb, usual, traced_aga
 
     expected = usual(run)
     for found, other in zip(run(), expected, strict=True):
-        _same(found, other)
+        same_but_for_rounding(found, other)
     stored = sorted(one_verb.iterdir())
     assert len(stored) == 2
     traced_again()
     for found, other in zip(run(), expected, strict=True):
-        _same(found, other)
+        same_but_for_rounding(found, other)
     # Another static argument needs another program; another number does not.
     with pytest.raises(pytest.fail.Exception, match="traced again"):
         prsm.modal(mechanism, shapes=False)

@@ -15,8 +15,8 @@ _QUANTITIES, _MARGINS = 2, 3
 def parts_of(inputs: tuple[Any, ...]) -> tuple[tuple[Any, ...], ...]:
     """Inputs of `outputs_at` by program.
 
-    A process that runs one verb compiles those of the friction, which share little with the others,
-    as a program of their own: it is traced while the compiler is at work on the other one.
+    A process that runs one verb compiles the quantities with friction, which share little with the
+    others, as a program of their own: it is traced while the compiler is at work on the other one.
     """
     quantities, scatter = inputs[_QUANTITIES], inputs[-1]
     friction, rest = by_friction(quantities)
