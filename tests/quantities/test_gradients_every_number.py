@@ -26,7 +26,6 @@ EXAMPLES = [
             "ring_roller",
             "li2020_single_stage_viscous",
             "li2020_two_stage",
-            "li2021_two_stage",
             "actuator_mission",
             "actuator_load_sharing",
         )
