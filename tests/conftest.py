@@ -36,9 +36,9 @@ shape_checks.install()
 _FLAGS = os.environ.get("XLA_FLAGS", "")
 # And a program in one piece a fifth less than in pieces for cores that another worker has.
 _QUICK = "--xla_backend_optimization_level=0 --xla_cpu_parallel_codegen_split_count=1"
-# The compiler's own preset for fast compilation is no help: it leaves thousands of selections outside
-# of fused loops, and for every operation outside it walks through the whole program. Large programs
-# take twice as long with it.
+# The compiler's own preset for fast compilation is no help: it leaves selections outside of fused
+# loops, and for every operation outside it walks through the whole program. Large programs take
+# twice as long with it.
 # A flag that the compiler does not know ends the process without a word.
 _JAXLIB = tuple(int(part) for part in importlib.metadata.version("jaxlib").split(".")[:2])
 if _JAXLIB <= (0, 10):
