@@ -33,7 +33,6 @@ EXAMPLES = [
         "lisowski2014",
         "actuator",
         "actuator_load_sharing",
-        "actuator_mission",
         "li2020_two_stage",
         "li2020_single_stage_viscous",
         "ring_roller",
