@@ -98,10 +98,12 @@ def test_any_solver_of_diffrax_under_a_prescribed_torque():
     assert float(ends[0]) == pytest.approx(float(ends[1]), rel=1e-5)
 
 
-@pytest.mark.parametrize("solver", [diffrax.Tsit5(), diffrax.Kvaerno5()], ids=["Tsit5", "Kvaerno5"])
-@pytest.mark.parametrize("gradient", ["forward", "both", "reverse"])
+@pytest.mark.parametrize(
+    ("gradient", "solver"),
+    [("forward", "Tsit5"), ("forward", "Kvaerno5"), ("both", "Tsit5"), ("reverse", "Kvaerno5")],
+)
 def test_derivatives_by_a_solver_of_diffrax(gradient, solver):
-    method = prsm.Diffrax(solver, rtol=1e-8, atol=1e-10)
+    method = prsm.Diffrax(getattr(diffrax, solver)(), rtol=1e-8, atol=1e-10)
 
     def last(load):
         scene = prsm.Scenario(SWING.speed, load, SWING.duration, samples=11)
