@@ -50,7 +50,7 @@ def _with_each(values, changed):
 
 @pytest.fixture(scope="module", params=EXAMPLES, ids=[name for name, _ in EXAMPLES])
 def program(request):
-    """Tests of one example in succession: they share a program that takes long to trace."""
+    """One example after the other: both tests of it share a program that takes long to trace."""
     return quantities_of(*request.param)
 
 
