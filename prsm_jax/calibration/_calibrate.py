@@ -287,7 +287,7 @@ def _result(
         residuals=_residuals(problem, solved),
         scales=_scales(problem, data),
         loss=problem.loss,
-        degrees_of_freedom=len(problem.measured) - int(free.sum()),
+        degrees_of_freedom=statistics.freedom,
         code=code,
         message=message,
         steps=int(solved.steps),

@@ -17,7 +17,7 @@ from ..file.numbers import (
 )
 from ..mechanism import Mechanism, all_parameters, find_parameters
 from ..quantities import catalogue, quantity_of
-from ._measurements import Measurements, is_quantity
+from ._measurements import Measurements, impossible, is_quantity
 
 _DATA = Path(__file__).parent / "data"
 
@@ -118,7 +118,21 @@ def _head(cell: str, place: str, mechanism: Mechanism) -> CsvColumn:
 
 def _cell(cell: str, column: CsvColumn, place: str) -> float:
     if cell.strip():
-        return csv_number(cell, column, place)
+        value = csv_number(cell, column, place)
+        if is_quantity(column.name) and impossible(column.name, value):
+            raise FileError(f"{place} {column.name}: {_no_efficiency(cell.strip(), value, column)}")
+        return value
     if is_quantity(column.name):
         return math.nan
     raise FileError(f"{place} {column.name}: is empty; every row needs this condition")
+
+
+def _no_efficiency(cell: str, value: float, column: CsvColumn) -> str:
+    """Why a measured efficiency is none, and the remedy."""
+    shown, name = one_line(cell, 60), column.name
+    if column.unit:
+        return f"{shown} {column.unit}: an efficiency lies between 0 and 100 %"
+    words = f"{shown}: an efficiency is a number from 0 to 1"
+    if 1 < value <= 100:
+        words += f"; write {value / 100:g}, or head the column `{name} [%]`"
+    return words

@@ -8,8 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._errors import UnknownNameError
+from ..fields import refuse_complex
 from ..quantities import catalogue, find_quantity
 
+#: Quantities that are an output over an input.
+_EFFICIENCIES = ("efficiency", "efficiency_forward", "efficiency_backward", "duty_efficiency")
+#: Scatter of a measured efficiency beyond 0 and 1; what is farther away is another unit.
+_SCATTER = 0.1
 _COMPONENT = re.compile(r"(\w+)\[(\d+)\]")
 
 
@@ -24,6 +29,16 @@ def is_quantity(name: str) -> bool:
     return split_component(name)[0] in {one.name for one in catalogue()}
 
 
+def impossible(name: str, values: ArrayLike | float) -> np.ndarray:
+    """Which values of a quantity [SI] cannot have been measured: efficiencies lie from 0 to 1.
+
+    Scatter about either is possible, and so is NaN, for what was not measured.
+    """
+    numbers = np.asarray(values, float)
+    ratio = split_component(name)[0] in _EFFICIENCIES
+    return np.asarray(ratio & ((numbers < -_SCATTER) | (numbers > 1 + _SCATTER)))
+
+
 @dataclass(frozen=True)
 class Measurements:
     """A table of measurements [SI]: one row per measured point.
@@ -35,8 +50,9 @@ class Measurements:
     - `conditions`: numbers of the mechanism during the measurement, by the name of a parameter
       (`operating_point.load`), a number per row. All other numbers are those of the mechanism.
 
-    **Raises:** `ValueError` for columns of different lengths, without a value, or with a number
-    that is not finite; `UnknownNameError` for an unknown quantity.
+    **Raises:** `ValueError` for columns of different lengths, without a value, with a number that
+    is not finite, or with an efficiency that is not from 0 to 1; `UnknownNameError` for an unknown
+    quantity.
     """
 
     values: Mapping[str, ArrayLike]
@@ -47,6 +63,8 @@ class Measurements:
             raise ValueError("the data have no measured quantity; name a column as one of them")
         for name in self.values:
             find_quantity(split_component(name)[0])
+        for name, column in {**self.values, **self.conditions}.items():
+            refuse_complex(f"column {name!r}", column)
         columns = {
             kind: {name: np.array(column, float) for name, column in mapping.items()}
             for kind, mapping in (("values", self.values), ("conditions", self.conditions))
@@ -70,6 +88,13 @@ class Measurements:
                 raise ValueError(
                     f"measured {name!r} is infinite, or NaN in all rows; give finite numbers, and "
                     "NaN where nothing was measured"
+                )
+            wrong = impossible(name, column)
+            if wrong.any():
+                row = int(np.argmax(wrong))
+                raise ValueError(
+                    f"measured {name!r} is {column[row]:g} in row {row + 1}; an efficiency is a "
+                    "number from 0 to 1"
                 )
         for kind, mapping in columns.items():
             object.__setattr__(self, kind, mapping)

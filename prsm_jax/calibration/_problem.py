@@ -22,6 +22,7 @@ from ..quantities import Analysis, component_names, evaluate, evaluate_coded, fi
 from ._bounds import from_free, inside, to_free
 from ._losses import LOSSES, as_squares
 from ._measurements import Measurements, check_conditions, split_component
+from ._optimum import near_optimum
 
 #: A physical limit is no bound of the search if its distance from the start is more than this many
 #: times the start.
@@ -107,6 +108,9 @@ class CalibrationProblem(eqx.Module):
         """
         import optimistix as optx
 
+        # Here, because optimistix takes a while to import.
+        from ._search import Search, ended_by_itself
+
         def values_of(x: Array) -> Array:
             inner = from_free(x, self.lower, self.upper, self.magnitude)
             return jnp.where(free, inner, fixed)
@@ -114,7 +118,7 @@ class CalibrationProblem(eqx.Module):
         def losses(x: Array, data: Array) -> Array:
             return as_squares(self.residuals(values_of(x), data), self.loss)
 
-        solver = optx.LevenbergMarquardt(rtol=_TOLERANCE, atol=_TOLERANCE)
+        solver = Search(_TOLERANCE)
         x = to_free(start, self.lower, self.upper, self.magnitude)
         solution = optx.least_squares(
             losses, solver, x, args=measured, max_steps=_MOST_STEPS, throw=False
@@ -128,14 +132,19 @@ class CalibrationProblem(eqx.Module):
         shares = values / self.magnitude
         negative, push = jax.linearize(scaled, shares)
         jacobian = jax.vmap(push, out_axes=1)(jnp.eye(len(self.parameters), dtype=shares.dtype))
-        cost = 0.5 * jnp.sum(as_squares(-negative, self.loss) ** 2)
+        squares, slope = jax.jvp(
+            lambda z: as_squares(z, self.loss), (-negative,), (jnp.ones_like(negative),)
+        )
+        cost = 0.5 * jnp.sum(squares**2)
+        exact = _TOLERANCE * jnp.linalg.norm(measured / self.scale)
+        columns = jnp.where(free, slope[:, None] * jacobian, 0.0)
         finite = jnp.isfinite(cost) & jnp.isfinite(jacobian).all()
         return Solved(
             values,
             -negative,
             jacobian,
             cost,
-            solution.result == optx.RESULTS.successful,
+            ended_by_itself(solution) | near_optimum(squares, columns, exact),
             finite,
             jnp.asarray(solution.stats["num_steps"]),
         )
@@ -252,7 +261,13 @@ def _points(data: Measurements) -> tuple[np.ndarray, np.ndarray]:
 
 def _scale(name: str, values: np.ndarray, deviations: dict[str, float]) -> float:
     if name in deviations:
-        deviation = float(deviations.pop(name))
+        given = deviations.pop(name)
+        try:
+            deviation = float(given)
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"standard deviation of {name!r} is {given!r}; give one number per column"
+            ) from None
         if not (np.isfinite(deviation) and deviation > 0):
             raise ValueError(f"standard deviation of {name!r} is {deviation}; it must be positive")
         return deviation
@@ -312,13 +327,14 @@ def _parameters(mechanism: Mechanism, names: tuple[str, ...], bounds: dict[str, 
         if high is None:
             high = limit.upper if abs(limit.upper - value) <= far else np.inf
         low, high = float(low), float(high)
+        unit = parameters[0].unit
+        words = f"({low:g}, {high:g})" + ("" if unit == "1" else f" {unit}")
         if not low < high:
-            raise ValueError(f"parameter {name!r} has the bounds ({low:g}, {high:g}); reverse them")
+            remedy = "reverse them" if low > high else "the upper one must be above the lower one"
+            raise ValueError(f"parameter {name!r} has the bounds {words}; {remedy}")
         # A physical limit that is far away is no bound; infinity replaces it.
         if low < limit.lower or limit.upper < high < np.inf:
-            raise ValueError(
-                f"parameter {name!r} has the bounds ({low:g}, {high:g}); it must be {limit.words}"
-            )
+            raise ValueError(f"parameter {name!r} has the bounds {words}; it must be {limit.words}")
         size = abs(value)
         if size == 0:
             size = high - low

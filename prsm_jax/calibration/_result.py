@@ -107,7 +107,7 @@ class Undetermined:
 class Calibration(Shown):
     """Parameters that fit the measurements best; prints itself.
 
-    `code` is `"converged"`, `"not_converged"` (the search stopped before its tolerance),
+    `code` is `"converged"`, `"not_converged"` (the search stopped before the optimum),
     `"start_fails"` (the mechanism cannot be computed at the start) or `"not_finite"`; `message`
     explains the code in a sentence.
     """
@@ -126,6 +126,7 @@ class Calibration(Shown):
     #: Scale of each measured column [SI].
     scales: dict[str, float]
     loss: str
+    #: Measured values less the combinations of free parameters that have an influence on them.
     degrees_of_freedom: int
     code: str
     message: str

@@ -10,12 +10,10 @@ import numpy as np
 from jaxtyping import Array
 
 from ._losses import influence
+from ._optimum import NO_INFLUENCE
 from ._problem import CalibrationProblem, solve_many
 
 PROBABILITY = 0.95
-#: Singular values below this share of the largest count as 0: rounding errors of the derivatives
-#: are as large.
-NO_INFLUENCE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -27,6 +25,7 @@ class Statistics:
     - `scatter`: standard deviation s of a residual of unit weight.
     - `covariance`: s² (JᵀJ)⁻¹; infinite on the diagonal of each parameter that has a part in a
       direction without influence.
+    - `freedom`: degrees of freedom n − k: values less directions with an influence.
     - `student`: quantile of |t| at 95 %.
     """
 
@@ -35,6 +34,7 @@ class Statistics:
     known: np.ndarray
     scatter: float
     covariance: np.ndarray
+    freedom: int
     student: float
 
     @property
@@ -56,25 +56,25 @@ def statistics_of(jacobian: np.ndarray, residuals: np.ndarray, loss: str) -> Sta
 
     - `jacobian`: derivatives of the scaled values by the free parameters, rows × parameters.
     - `residuals`: scaled residuals.
-    - `loss`: name of the loss. For a robust one s² is Huber's: Σψ²/(n − p) over the square of
+    - `loss`: name of the loss. For a robust one s² is Huber's: Σψ²/(n − k) over the square of
       the mean of ψ′ (Huber, Robust Statistics, 1981, equation 7.6.3).
     """
     from scipy.special import stdtrit
 
-    rows, count = jacobian.shape
     first, second = influence(residuals, loss)
     slope = second.mean()
-    freedom = rows - count
-    scatter = float(np.sqrt(np.sum(first**2) / freedom) / abs(slope)) if slope else np.inf
     _, singular, directions = np.linalg.svd(jacobian, full_matrices=False)
     known = singular > NO_INFLUENCE * singular.max(initial=0.0)
+    # A direction without influence fits no value, like a parameter that is fixed.
+    freedom = len(residuals) - int(known.sum())
+    scatter = float(np.sqrt(np.sum(first**2) / freedom) / abs(slope)) if slope else np.inf
     inverse = np.where(known, 1.0 / np.where(known, singular, 1.0) ** 2, 0.0)
     covariance = scatter**2 * (directions.T * inverse) @ directions
     # A parameter with a part in a direction without influence can have any value.
     lost = (np.abs(directions[~known]) > 1e-6).any(axis=0)
     covariance[lost, lost] = np.inf
     student = float(stdtrit(freedom, (1 + PROBABILITY) / 2))
-    return Statistics(singular, directions, known, scatter, covariance, student)
+    return Statistics(singular, directions, known, scatter, covariance, freedom, student)
 
 
 @dataclass(frozen=True)
@@ -92,9 +92,14 @@ class Repetitions:
     converged: np.ndarray
 
     def coverage(self, truth: Sequence[float | int] | np.ndarray | Array) -> np.ndarray:
-        """Share of the repetitions whose limits contain the truth, for each parameter."""
+        """Share of fits whose limits contain the truth, for each parameter.
+
+        Of those that converged; NaN if there is none.
+        """
+        if not self.converged.any():
+            return np.full(len(self.parameters), np.nan)
         within = (self.lower <= np.asarray(truth)) & (np.asarray(truth) <= self.upper)
-        return within.mean(axis=0)
+        return within[self.converged].mean(axis=0)
 
 
 _computed = eqx.filter_jit(CalibrationProblem.computed)

@@ -1,10 +1,11 @@
 """Tables of a maker's sizes: the 90 planetary roller screws of 8 to 120 mm, or other files."""
 
-import csv
+import functools
 import math
 from pathlib import Path
 
 from .._errors import FileError, closest
+from ..text import comma_in_number, csv_cells
 
 _LARGEST_FILE = 20_000_000
 _TABLE = Path(__file__).parent / "data" / "roller_screws.csv"
@@ -24,14 +25,17 @@ _NEEDED = (*SIZE, "nut_outer_diameter_mm", "nut_length_mm")
 CAPACITIES = ("dynamic_capacity_kn", "static_capacity_kn")
 
 
-def _header(path: Path) -> tuple[str, ...]:
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        return tuple(cell.strip() for cell in next(csv.reader(file), []))
+def _table(path: Path) -> tuple[tuple[str, ...], list[tuple[int, list[str]]]]:
+    """Names of the columns, and the cells below them with the numbers of their lines."""
+    rows = csv_cells(path.read_text(encoding="utf-8-sig"))
+    cells = [(number, [cell.strip() for cell in row]) for number, row in rows]
+    return (tuple(cells[0][1]), cells[1:]) if cells else ((), [])
 
 
+@functools.cache
 def all_columns() -> tuple[str, ...]:
     """All columns of the table, in its order."""
-    return _header(_TABLE)
+    return _table(_TABLE)[0]
 
 
 def columns() -> tuple[str, ...]:
@@ -39,8 +43,8 @@ def columns() -> tuple[str, ...]:
     return tuple(name for name in all_columns() if name not in (*SIZE, *CAPACITIES))
 
 
-def _checked_header(path: Path) -> tuple[str, ...]:
-    found, known = _header(path), all_columns()
+def _check_header(path: Path, found: tuple[str, ...]) -> None:
+    known = all_columns()
     for name in found:
         if name not in known:
             raise FileError(
@@ -58,7 +62,6 @@ def _checked_header(path: Path) -> tuple[str, ...]:
             f"{path}: nothing to compare with; give a printed result, for example "
             "static_capacity_kn"
         )
-    return found
 
 
 def _number(path: Path, line: int, name: str, cell: str) -> float:
@@ -67,7 +70,8 @@ def _number(path: Path, line: int, name: str, cell: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise FileError(f"{path}, line {line}: {name} is {cell!r}; give a finite number")
+        words = comma_in_number(cell) or "give a finite number"
+        raise FileError(f"{path}, line {line}: {name} is {cell!r}; {words}")
     return value
 
 
@@ -87,8 +91,9 @@ def catalogue_rows(path: str | Path | None = None) -> tuple[dict[str, float], ..
 
     **Arguments:**
 
-    - `path`: a CSV file with columns of the shipped table under the same names; it needs the size
-      and the diameter and length of the nut, and at least one printed result. Default: the table.
+    - `path`: a CSV file with columns of the shipped table under the same names, separated by commas
+      or semicolons; lines that begin with `#` are comments. It needs the size and the diameter and
+      length of the nut, and at least one printed result. Default: the table.
 
     **Raises:** `FileError` for a file that cannot be read or has no rows, for an unknown, missing
     or repeated column, a line with more or fewer cells than the header, and for a cell that is not
@@ -97,12 +102,14 @@ def catalogue_rows(path: str | Path | None = None) -> tuple[dict[str, float], ..
     path = _TABLE if path is None else Path(path)
     try:
         _check_size(path)
-        names = _checked_header(path)
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file)
-            lines = [(reader.line_num, cells) for cells in reader if cells][1:]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        names, lines = _table(path)
+    except FileError:
+        raise
+    except (OSError, UnicodeDecodeError) as error:
         raise FileError(f"{path}: cannot be read as a CSV file: {error}") from error
+    except ValueError as error:
+        raise FileError(f"{path}: {error}") from error
+    _check_header(path, names)
     if not lines:
         raise FileError(f"{path}: there is a header, but no size below it")
     rows: list[dict[str, float]] = []
@@ -113,7 +120,7 @@ def catalogue_rows(path: str | Path | None = None) -> tuple[dict[str, float], ..
             )
         row = {
             name: _number(path, number, name, cell)
-            for name, cell in zip(names, map(str.strip, cells), strict=True)
+            for name, cell in zip(names, cells, strict=True)
             if cell
         }
         if empty := [name for name in _NEEDED if name not in row]:

@@ -24,6 +24,13 @@ from ._progress import clear, doing, expect_programs
 from ._tables import TextTable, terminal_width
 from ._targets import check_folder, check_json
 
+#: Quantities in the tables of some verbs; their assumptions are printed below the tables.
+CONTACT = ("max_pressure", "approach_screw", "approach_nut", "max_von_mises_screw")
+VIBRATION = ("natural_frequencies",)
+CRITICAL_SPEEDS = ("natural_frequencies", "carrier_ratio")
+STEADY = ("efficiency", "carrier_ratio", "drive_torque", "contact_force", "loss_power")
+TRANSIENT = ("efficiency", "carrier_ratio", "drive_torque", "contact_force")
+
 
 @Parameter(name="*")
 @dataclass(frozen=True)

@@ -67,6 +67,7 @@ def _run(words: list[str], alone: bool) -> tuple[int, str]:
     with progress(words[0] if words else ""):
         from ..programs import keep_list, run_one_verb, runs_one_verb
         from ._compiled import keep_compiled_programs, tell_of_trouble_once
+        from ._counts import told
         from ._verbs import app
 
         keep_compiled_programs()
@@ -87,7 +88,7 @@ def _run(words: list[str], alone: bool) -> tuple[int, str]:
         except KeyboardInterrupt:
             return 130, "stopped (Ctrl-C)"
         except CycloptsError as error:
-            return 2, str(error)
+            return 2, told(error, words)
         except (PrsmError, ValueError) as error:
             return 2, str(error)
         except OSError as error:

@@ -13,7 +13,7 @@ from .hertz import HertzMethod
 def load_of(mechanism: Mechanism, load: float | Scalar | None) -> Scalar:
     """The axial load `load`, or the load of the operating point if it is None [N].
 
-    **Raises:** `MissingDataError` if both are missing.
+    **Raises:** `MissingDataError` if both are missing; `ValueError` for an array with axes.
     """
     return _operating(mechanism, "load", load)
 
@@ -21,7 +21,7 @@ def load_of(mechanism: Mechanism, load: float | Scalar | None) -> Scalar:
 def speed_of(mechanism: Mechanism, speed: float | Scalar | None) -> Scalar:
     """The screw speed `speed`, or the speed of the operating point if it is None [rad/s].
 
-    **Raises:** `MissingDataError` if both are missing.
+    **Raises:** `MissingDataError` if both are missing; `ValueError` for an array with axes.
     """
     return _operating(mechanism, "speed", speed)
 
@@ -34,7 +34,14 @@ def _operating(mechanism: Mechanism, name: str, value: float | Scalar | None) ->
                 f"[operating_point] {name}"
             )
         value = getattr(mechanism.operating_point, name)
-    return jnp.asarray(value, mechanism.stages[0].thread.lead.dtype)
+    number = jnp.asarray(value, mechanism.stages[0].thread.lead.dtype)
+    if number.ndim:
+        raise ValueError(
+            f"{name} has the shape {number.shape}, and an operating point has one {name}; map the "
+            f"analysis over the batch: jax.vmap(lambda {name}: prsm.steady_state(mechanism, "
+            f"{name}={name}))({name}s)"
+        )
+    return number
 
 
 @of_one_design

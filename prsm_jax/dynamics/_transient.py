@@ -24,6 +24,7 @@ from .histories import (
     Transient,
     histories,
     integrated,
+    judged_by_input,
     rows_of,
     transient_of,
 )
@@ -221,12 +222,13 @@ def _transient(
         return run, run.solver.code
     if slides_on_both_sides(mechanism):
         run = two_sides_history(mechanism, scenario, kinematics, settings)
-        return run, run.solver.code
+        return judged_by_input(run, scenario), run.solver.code
     problem = scene_problem(mechanism, scenario, kinematics)
     times = sample_times(problem)
     if has_bristles(mechanism) and settings.method.carriers == "integrated":
         history, report = bristle_history(problem, times, settings)
-        return histories(mechanism, problem.kinematics, times, history, report), report.code
+        run = histories(mechanism, problem.kinematics, times, history, report)
+        return judged_by_input(run, scenario), report.code
     # One pass per time, from the state to its results: all states of a long scene at once would
     # take more memory than the results, and would have to be read from there.
     rows_at = rows_of(mechanism, problem.kinematics)
@@ -245,7 +247,8 @@ def _transient(
         else:
             speeds, report = _integrated(problem, times, settings)
         rows = over_samples(lambda time, w: rows_at(evaluated(problem, time, w)), times, speeds)
-    return transient_of(mechanism, problem.kinematics, times, rows, report), report.code
+    run = transient_of(mechanism, problem.kinematics, times, rows, report)
+    return judged_by_input(run, scenario), report.code
 
 
 def _checked(run: Transient, throw: bool) -> Transient:

@@ -10,7 +10,7 @@ from ..text import MINUS, UNIT_LABELS, NumberText
 #: Units that the report writes beside those of the display units.
 _UNITS = UNIT_LABELS | {"°", "GPa"}
 _NUMBER = re.compile(
-    r"(?P<relation>at most |at least |[≤≥<>±]\s?)?"
+    r"(?P<relation>at most |at least |equal to |[≤≥<>±]\s?)?"
     r"(?P<digits>[-+]?\d+(?:\.(?P<decimals>\d+))?)"
     r"(?:·10(?P<power>[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?"
     r"(?P<unit>\s?\S+)?"

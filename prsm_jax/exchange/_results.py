@@ -2,6 +2,7 @@
 
 import csv
 import os
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -45,6 +46,10 @@ def export_result(result: Result, path: str | os.PathLike[str], *, name: str | N
     if target.suffix.lower() not in _FORMATS:
         raise ValueError(f"export to {target}: the ending must be one of {', '.join(_FORMATS)}")
     arrays, words = labelled(result), words_of(result) | {"prsm_jax": __version__}
+    if target.suffix.lower() == ".csv" and not any(_TIME in one.dimensions for one in arrays):
+        # SteadyState: a steady state.
+        kind = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(result).__name__).lower()
+        raise ValueError(f"a {kind} has no histories for a CSV file; export it to .mat or .nc")
     with whole_file(target) as partial:
         _FORMATS[target.suffix.lower()](
             partial, arrays, words, type(result).__name__.lower() if name is None else name
@@ -102,8 +107,6 @@ def _csv(path: Path, arrays: Sequence[Labelled], words: dict[str, str], name: st
             heading += f" [{one.unit}]" if one.unit != "1" else ""
             column = rows[(slice(None), *place)]
             columns[heading] = column.astype(int) if column.dtype == bool else column
-    if not columns:
-        raise ValueError(f"a {name} has no histories for a CSV file; export it to .mat or .nc")
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(columns)

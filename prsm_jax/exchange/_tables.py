@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from .._errors import FileError, closest, missing_extra
 from ..calibration import Measurements
 from ..fields import ANY, NOT_NEGATIVE, POSITIVE, Limit
-from ..file.numbers import csv_column, csv_heading, csv_number, csv_rows, one_line
+from ..file.numbers import CsvColumn, csv_column, csv_heading, csv_number, csv_rows, one_line
 from ..mechanism import DutyCycle, Mechanism, find_parameters
 from ..process import whole_file
 from ..quantities import quantity_of
@@ -51,7 +51,7 @@ def read_scenario(
 
     **Raises:** `FileError`, with one line that names file, row, column and remedy.
     """
-    columns = _read(path, _MOTION)
+    columns = _read(path, _MOTION, increasing="time")
     name = one_line(str(path), 300)
     drives = [one for one in ("speed", "torque") if one in columns]
     if len(drives) != 1 or not {"time", "load"} <= set(columns):
@@ -59,6 +59,8 @@ def read_scenario(
             f"{name}: has the columns {', '.join(columns)}; a scenario needs time, load, and one "
             "of speed and torque"
         )
+    if len(columns["time"]) < 2:
+        raise FileError(f"{name}: has one row of numbers; a scenario needs two or more")
     try:
         times = columns["time"]
         drive, load = (TableProfile(times, columns[one]) for one in (drives[0], "load"))
@@ -164,9 +166,11 @@ def _units_of(columns: Mapping[str, tuple[str, Limit]]) -> dict[str, str]:
 
 
 def _read(
-    path: str | os.PathLike[str], known: Mapping[str, tuple[str, Limit]]
+    path: str | os.PathLike[str],
+    known: Mapping[str, tuple[str, Limit]],
+    increasing: str | None = None,
 ) -> dict[str, np.ndarray]:
-    """Columns of a table of known names [SI]."""
+    """Columns of a table of known names [SI]; the numbers of one of them may have to increase."""
     source, name = Path(path), one_line(str(path), 300)
     if not source.is_file():
         raise FileError(f"{name}: there is no such file; give a CSV file")
@@ -190,8 +194,29 @@ def _read(
         ]
     except ModuleNotFoundError as error:
         raise missing_extra("file", "reading units of a table", error) from error
-    table = np.array(rows).T
-    return {column.name: one for column, one in zip(columns, table, strict=True)}
+    table = dict(zip([column.name for column in columns], np.array(rows).T, strict=True))
+    if increasing is not None and increasing in table:
+        _check_increasing(columns, table[increasing], body, increasing, name)
+    return table
+
+
+def _check_increasing(
+    columns: list[CsvColumn],
+    values: np.ndarray,
+    body: list[tuple[int, list[str]]],
+    heading: str,
+    name: str,
+) -> None:
+    wrong = np.flatnonzero(np.diff(values) <= 0)
+    if wrong.size:
+        place = [column.name for column in columns].index(heading)
+        unit = columns[place].unit
+        # As they stand in the file, not in SI.
+        before, after = (one_line(body[k][1][place], 40) for k in (wrong[0], wrong[0] + 1))
+        raise FileError(
+            f"{name}: row {body[wrong[0] + 1][0]}, column {heading}: {after} {unit} is not after "
+            f"{before} {unit} in the row before; give increasing values"
+        )
 
 
 def _write(

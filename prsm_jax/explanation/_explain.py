@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from .._errors import PrsmError, UnknownNameError, closest
-from ..mechanism import Mechanism, check_one_design
+from ..mechanism import Mechanism, of_one_known_design
 from ..programs import runs_one_verb, stored_facts
 from ..quantities import assumptions, available_quantities
 from ._account import PROGRAMS, REFUSALS, Account, analysis_of, compiled, number_paths, traced
@@ -63,6 +63,7 @@ class _Counted:
             return Cost(self.account, None, str(error))
 
 
+@of_one_known_design
 def explain(
     mechanism: Mechanism,
     *,
@@ -89,7 +90,6 @@ def explain(
 
     **Raises:** `UnknownNameError` for an unknown program.
     """
-    check_one_design(mechanism, "explain")
     if programs is None:
         programs = (*_DEFAULT, *(("transient",) if time and mechanism.scenario else ()))
     for name in programs:

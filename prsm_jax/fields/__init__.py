@@ -1,6 +1,11 @@
 """Fields: what a number is called, its unit, and its limits."""
 
-from ._arguments import listed_names as listed_names, refuse_options as refuse_options
+from ._arguments import (
+    listed_names as listed_names,
+    listed_numbers as listed_numbers,
+    refuse_complex as refuse_complex,
+    refuse_options as refuse_options,
+)
 from ._computed import In as In, units_of as units_of
 from ._counts import (
     FEWEST_TRACED as FEWEST_TRACED,

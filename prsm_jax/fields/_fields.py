@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from ..numerics import Scalar as Scalar
+from ._arguments import refuse_complex
 from ._limits import ANY, Limit
 
 if TYPE_CHECKING:
@@ -47,13 +48,19 @@ OptionalNumbers: TypeAlias = Converted[
 
 
 def as_scalar(value: ArrayLike) -> Array:
-    """`value` as a floating-point array; an array that is floating-point keeps its dtype."""
+    """`value` as a floating-point array; an array that is floating-point keeps its dtype.
+
+    **Raises:** `ValueError` for a complex number.
+    """
     if isinstance(value, int | float):
         # An explicit dtype: a weakly typed leaf would compile everything a second time.
         # By NumPy, because JAX compiles a program to change the type of a number.
         return jnp.asarray(np.asarray(value, dtype=jnp.result_type(float)))
     array = jnp.asarray(value)
-    return array if jnp.issubdtype(array.dtype, jnp.floating) else array.astype(float)
+    if jnp.issubdtype(array.dtype, jnp.floating):
+        return array
+    refuse_complex("a number", array)
+    return array.astype(float)
 
 
 def _as_numbers(value: Any) -> Array:

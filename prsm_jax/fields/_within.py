@@ -243,11 +243,11 @@ def check_distances(axis: Any, screw: Any) -> None:
     shaft = axis.shaft
     if shaft is None:
         return
-    end, meaning = _scalar(screw.length), "the screw's length"
+    end, meaning = _scalar(screw.length), "the screw's length (stage.screw.length)"
     if shaft.far_bearing is not None:
         far = _scalar(shaft.far_bearing.distance)
         if far is not None and end is not None and not far <= end:
-            message = f"must be at most the screw's length, {_mm(end)}"
+            message = f"must be at most {meaning}, {_mm(end)}"
             raise Contradiction(("axis", "shaft", "far_bearing", "distance"), far, message)
         if far is not None:
             end, meaning = far, "the far bearing's distance"

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from .._errors import FileError, UnknownNameError, missing_extra
-from ..fields import Contradiction, check_stage
+from ..fields import Contradiction, check_distances, check_stage
 from ..mechanism import Mechanism, find_parameters, set_parameter
 from .numbers import is_plain_number, one_line, read_integer, read_number, table_name
 
@@ -59,4 +59,9 @@ def apply_settings(
         except Contradiction as error:
             place = f"{table_name(('stage', index, *error.place[:-1]))}: {error.place[-1]}"
             raise FileError(f"after {shown}: {place} {error.message}") from error
+    if mechanism.axis is not None:
+        try:
+            check_distances(mechanism.axis, mechanism.stages[0].screw)
+        except Contradiction as error:
+            raise FileError(f"after {shown}: {error}") from error
     return mechanism

@@ -22,6 +22,7 @@ from ..mechanism import (
     Objective,
     Tolerance,
     find_parameters,
+    of_one_known_design,
 )
 from ..process import whole_file
 from ._read import loads
@@ -172,6 +173,8 @@ def _optimise(
         cases = ()
     if problem.tolerance_sigmas is not None:
         yield f"tolerance_sigmas = {_number(problem.tolerance_sigmas, '1', 'tolerance_sigmas')}"
+    if problem.avoid_warnings:
+        yield "avoid_warnings = true"
     if problem.choices:
         yield f"choices = {{ {', '.join(_choice(one, mechanism) for one in problem.choices)} }}"
     for objective in () if short else problem.objectives:
@@ -247,6 +250,7 @@ def _lines(mechanism: Mechanism, quantity_units: Mapping[str, str]) -> Iterator[
         yield from _tolerances(mechanism.tolerances, mechanism)
 
 
+@of_one_known_design
 def dumps(mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None) -> str:
     """A mechanism as TOML text with units.
 
@@ -287,6 +291,7 @@ def unread_text(mechanism: Mechanism, quantity_units: Mapping[str, str] | None =
         ) from error
 
 
+@of_one_known_design
 def dump(
     mechanism: Mechanism,
     path: str | Path,

@@ -10,8 +10,8 @@ from ..quantities import Analysis
 from . import (
     _axis,
     _fit,
+    _gears,
     _locking,
-    _migration,
     _preferred,
     _sharing,
     _stiffness,
@@ -23,7 +23,7 @@ from ._masses import ExpectedMasses, expected_masses, mass_findings_from
 
 #: Modules that declare margins when they are imported.
 DECLARED_IN = (
-    *(_fit, _migration, _preferred, _stiffness, _locking, _strength, _truncation, _axis),
+    *(_fit, _gears, _preferred, _stiffness, _locking, _strength, _truncation, _axis),
     _sharing,
 )
 
@@ -61,16 +61,16 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     """Findings that an engineer should know before trusting the results of a mechanism.
 
     Do the parts fit: `dimension`, `feasible_ratio`, `roller_clearance`, `gear_assembly`,
-    `gear_mismatch`, `carrier_clearance`, `meshing`, `contact_on_flank`, `tooth_thickness`,
-    `backlash`. Can they be made with usual tools: `unusual_lead`, `unusual_module`. Are the numbers
-    for vibration plausible: `inertia`, `mass`, `torsional_support`, `negative_stiffness`. Does
-    friction let the mechanism move: `jamming`, `self_locking`. Does it last: `static_safety`,
-    `rating_life`, `buckling`, `screw_speed`, `false_brinelling`, `contact_truncation`. Do repeated
-    numbers agree: `preload`, `engaged_threads`, `axial_backlash`, `spin_coefficient`. Is equal load
-    sharing assumed: `equal_sharing`; do errors of parts overload single rollers: `uneven_rollers`.
-    Nothing is raised; a mechanism without findings gives an empty
-    tuple. Checks whose data are missing are skipped. Needs concrete numbers: inside a trace use
-    `evaluate_margins`.
+    `gear_mismatch`, `carrier_clearance`, `thread_length`, `pointed_tooth`, `meshing`,
+    `contact_on_flank`, `tooth_thickness`, `backlash`. Can they be made with usual tools:
+    `unusual_lead`, `unusual_module`. Are the numbers for vibration plausible: `inertia`, `mass`,
+    `torsional_support`, `negative_stiffness`. Does friction let the mechanism move: `jamming`,
+    `self_locking`. Does it last: `static_safety`, `rating_life`, `buckling`, `screw_speed`,
+    `false_brinelling`, `contact_truncation`. Do repeated numbers agree: `preload`,
+    `engaged_threads`, `axial_backlash`, `spin_coefficient`. Is equal load sharing assumed:
+    `equal_sharing`; do errors of parts overload single rollers: `uneven_rollers`. Nothing is
+    raised; a mechanism without findings gives an empty tuple. Checks whose data are missing are
+    skipped. Needs concrete numbers: inside a trace use `evaluate_margins`.
 
     **Arguments:**
 
@@ -114,6 +114,6 @@ def check_from(mechanism: Mechanism, numbers: CheckNumbers) -> tuple[Finding, ..
         if margin.name == "backlash" and values is not None
     }
     findings += _strength.agreements(mechanism, plays)
-    findings += _fit.assembly_notes(mechanism)
+    findings += _gears.assembly_notes(mechanism)
     findings += _sharing.sharing_findings(mechanism)
     return tuple(sorted(findings, key=lambda finding: finding.stage))

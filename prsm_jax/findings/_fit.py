@@ -1,12 +1,12 @@
 """Margins of geometry: are the dimensions possible, do the parts fit, do the threads mesh?"""
 
 from collections.abc import Callable, Iterator
+from math import floor
 
 import jax.numpy as jnp
 
 from ..fields import Scalar
 from ..geometry import (
-    Finding,
     bore_margins,
     carrier_clearance,
     dimension_margins,
@@ -16,11 +16,12 @@ from ..geometry import (
 from ..mechanism import Mechanism, Stage
 from ..quantities import Analysis
 from ..strength import thins_teeth
-from ._margin import Kind, Margin, Reading, is_whole, margin_source
+from ._margin import Kind, Margin, Reading, margin_source
 
 #: Gap that the optimiser keeps, so that rounding in a file does not close it [m].
 _CLOSE = 1e-6
-
+#: Difference of lengths that is rounding [m].
+_SAME_LENGTH = 1e-7
 
 #: Permitted ranges of thread parameters, in words.
 _WORDS = {
@@ -164,53 +165,6 @@ def _rollers(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
 
 @margin_source
-def _gear(mechanism: Mechanism, index: int) -> Iterator[Margin]:
-    """Thread and gear must turn a roller by the same angle between two places.
-
-    A roller that rolls from one place to the next, by 2π/N about the axis, turns by 2π n/N
-    against the carrier, which is z_R n/N of its teeth; the ring gear has z_r/N teeth there.
-    Identical rollers fit in all places if z_r = n z_R, which holds by construction, and if both
-    numbers are whole.
-    """
-    gear = mechanism.stages[index].gear
-    if gear is None or gear.roller_teeth is None:
-        return
-
-    def teeth(analysis: Analysis) -> Scalar:
-        part = analysis.mechanism.stages[index].gear
-        assert part is not None
-        assert part.roller_teeth is not None
-        return part.roller_teeth
-
-    def ring(analysis: Analysis) -> Scalar:
-        part = analysis.mechanism.stages[index].gear
-        if part is not None and part.ring_teeth is not None:
-            return part.ring_teeth
-        return teeth(analysis) * analysis.mechanism.stages[index].thread.starts
-
-    def message(r: Reading) -> str:
-        given = gear.ring_teeth is not None
-        return (
-            f"the ring gear {'has' if given else 'would have n z_R ='} {r.details['ring']:.6g} "
-            f"teeth for z_R = {r.details['teeth']:.6g} roller teeth; both must be whole numbers"
-        )
-
-    # With whole roller teeth and whole starts the ring gear teeth are whole too.
-    yield Margin(
-        "gear_assembly",
-        index + 1,
-        teeth,
-        (("error", 1.0),),
-        message,
-        kind="assembly",
-        details=lambda analysis: {"teeth": teeth(analysis), "ring": ring(analysis)},
-        shown=lambda r: (r.details["ring"], float(round(r.details["ring"]))),
-        reserve=0.0,
-        integer=True,
-    )
-
-
-@margin_source
 def _carrier(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     """The carrier's annulus, centred on the roller axes, must pass between screw and nut."""
     carrier = mechanism.stages[index].carrier
@@ -310,6 +264,7 @@ def _on_flank(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             unit="m",
             details=details,
             shown=lambda r: (r.details["radius"], r.details["crest"]),
+            reserve=_CLOSE,
             subject=body,
         )
 
@@ -336,30 +291,107 @@ def _tooth_thickness(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     )
 
 
-def assembly_notes(mechanism: Mechanism) -> Iterator[Finding]:
-    """How to mount the rollers if the ring gear teeth are not divisible by their number."""
-    for number, stage in enumerate(mechanism.stages, start=1):
-        gear = stage.gear
-        if gear is None or gear.roller_teeth is None:
-            continue
-        roller = float(gear.roller_teeth)
-        ring = roller * float(stage.thread.starts)
-        if gear.ring_teeth is not None:
-            # Where gear and thread differ, rollers leave their phase in any case.
-            continue
-        if not (is_whole(roller) and is_whole(ring)):
-            continue
-        step = round(ring) % stage.roller_count
-        if step == 0:
-            continue
-        yield Finding(
-            "gear_assembly",
-            "note",
-            number,
-            ring / stage.roller_count,
-            float(round(ring / stage.roller_count)),
-            f"{round(ring)} ring gear teeth are not divisible by {stage.roller_count} rollers: "
-            f"each roller must be mounted turned by {step}/{stage.roller_count} of a tooth "
-            "relative to the previous one, with thread and gear of all rollers cut in the same "
-            "phase",
+def _counts(stage: Stage) -> dict[str, Scalar]:
+    """Numbers of threads of a roller that carry load, by path."""
+    counts = {}
+    if stage.engaged_threads is not None:
+        counts["engaged_threads"] = stage.engaged_threads
+    sharing, play = stage.load_sharing, None if stage.strength is None else stage.strength.play
+    if sharing is None:
+        return counts
+    preload = None if play is None or play.preload_force is None else play.arrangement
+    if preload == "double_nut" and sharing.split_nut is not None:
+        # Load sharing has the threads of both nuts, but the length may be that of one.
+        return counts
+    counts["load_sharing.thread_count"] = jnp.full_like(stage.thread.pitch, sharing.thread_count)
+    return counts
+
+
+def _most_threads(stage: Stage) -> str:
+    """The larger number of threads in words, with the pitch."""
+    path, count = max(_counts(stage).items(), key=lambda one: float(one[1]))
+    kind = "threads" if stage.line_contact is None else "rings"
+    pitch = float(stage.thread.pitch)
+    return f"{float(count):.6g} {kind} (stage.{path}) with a pitch of {pitch * 1e3:.4g} mm"
+
+
+def _held(stage: Stage, length: float) -> int:
+    """How many threads a length holds."""
+    return max(floor(length / float(stage.thread.pitch) + 1e-6), 0)
+
+
+@margin_source
+def _thread_length(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    """Roller and nut must be as long as the threads that carry load, N p."""
+    stage = mechanism.stages[index]
+    if not _counts(stage):
+        return
+
+    def needed(analysis: Analysis, spaces: float = 0.0) -> Scalar:
+        current = analysis.mechanism.stages[index]
+        counts = _counts(current).values()
+        return (jnp.max(jnp.stack(list(counts))) - spaces) * current.thread.pitch
+
+    def body_length(analysis: Analysis, body: str) -> Scalar:
+        return getattr(analysis.mechanism.stages[index], body).length
+
+    def too_short(r: Reading, body: str) -> str:
+        current, have = r.mechanism.stages[index], r.details["needed"] + r.value
+        return (
+            f"{_most_threads(current)} are {r.details['needed'] * 1e3:.4g} mm long, but "
+            f"stage.{body}.length is {have * 1e3:.4g} mm, which holds {_held(current, have)}: such "
+            f"a {body} cannot be made; lower the number or the lead, or lengthen the {body}"
         )
+
+    for body in ("roller", "nut"):
+        if getattr(stage, body).length is None:
+            continue
+        yield Margin(
+            "thread_length",
+            index + 1,
+            lambda a, body=body: body_length(a, body) - needed(a),
+            (("error", -_SAME_LENGTH),),
+            lambda r, body=body: too_short(r, body),
+            unit="m",
+            kind="assembly",
+            details=lambda a: {"needed": needed(a)},
+            shown=lambda r: (r.details["needed"], r.details["needed"] + r.value),
+            at_most=True,
+            reserve=_CLOSE + _SAME_LENGTH,
+            subject=body,
+        )
+
+    if stage.roller.length is None or stage.gear is None or stage.gear.face_width is None:
+        return
+
+    def between(analysis: Analysis) -> Scalar:
+        gear = analysis.mechanism.stages[index].gear
+        assert gear is not None
+        assert gear.face_width is not None
+        return body_length(analysis, "roller") - 2 * gear.face_width
+
+    def over_gears(r: Reading) -> str:
+        current, have = r.mechanism.stages[index], r.details["between"]
+        return (
+            f"{_most_threads(current)} reach over {r.details['reach'] * 1e3:.4g} mm from the first "
+            f"to the last, but between its gears a roller has {max(have, 0.0) * 1e3:.4g} mm "
+            "(stage.roller.length less twice stage.gear.face_width): the outermost lie under gear "
+            f"teeth, which cut them; engage the {_held(current, have)} that lie wholly between "
+            "them, lengthen the roller, or make the gears narrower"
+        )
+
+    # From the first to the last contact of N threads there are N − 1 pitches. Gear teeth may be cut
+    # over a thread, which then still carries a part of its load.
+    yield Margin(
+        "thread_length",
+        index + 1,
+        lambda a: between(a) - needed(a, 1.0),
+        (("warning", -_SAME_LENGTH),),
+        over_gears,
+        unit="m",
+        details=lambda a: {"reach": needed(a, 1.0), "between": between(a)},
+        shown=lambda r: (r.details["reach"], r.details["between"]),
+        at_most=True,
+        reserve=_CLOSE + _SAME_LENGTH,
+        subject="roller",
+    )

@@ -97,7 +97,11 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     def value(analysis: Analysis) -> Scalar:
         speed = -jnp.abs(analysis.speed)
         load = jnp.abs(load_of(analysis.mechanism, analysis.signed_load))
-        return steady_state(analysis.mechanism, speed, load, analysis.kinematics).efficiency
+        # At standstill the onset says that it is the load that is about to drive.
+        driven = steady_state(
+            analysis.mechanism, speed, load, analysis.kinematics, onset=-jnp.ones_like(speed)
+        )
+        return driven.efficiency
 
     free = friction_sets_motion(mechanism)
 

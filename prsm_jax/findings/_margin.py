@@ -2,8 +2,8 @@
 
 A margin is a quantity that should not fall below a limit, with the severity and the message of
 the finding if it does. `check` compares its value; the optimiser takes every limit of
-severity error as a constraint, with exact derivatives. To add a finding, write a source (see
-`margin_source`) in one of the files of this folder.
+severity error as a constraint, with exact derivatives, and on request those of warnings. To add a
+finding, write a source (see `margin_source`) in one of the files of this folder.
 """
 
 from collections.abc import Callable, Iterable, Iterator

@@ -8,12 +8,24 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
+import jax.numpy as jnp
 import numpy as np
 
+from .._errors import MissingDataError
+from ..fields import Scalar
 from ..geometry import Finding
 from ..mechanism import Mechanism, of_one_known_design
 from ..programs import one_program_where_possible
-from ..quantities import Analysis, available_quantities, evaluate, find_quantity
+from ..quantities import (
+    Analysis,
+    available_quantities,
+    evaluate,
+    find_quantity,
+    shared_stage_pressures,
+    stage_preloaded_pressure,
+    stage_pressures,
+)
+from ..strength import is_preloaded, split_nut_of
 from ._check import CheckNumbers, margin_numbers, plain_numbers
 from ._margin import Margin, Reading, margins_of, severity_at
 
@@ -24,6 +36,7 @@ Status: TypeAlias = Literal["pass", "warning", "fail", "no checks"]
 #: stands after the margin of the same kind.
 _ORDER = (
     *("static_safety", "static_capacity", "max_pressure_shared", "max_pressure"),
+    "preloaded_pressure",
     *("rating_life", "rating_life_time", "dynamic_capacity", "buckling", "buckling_load"),
     *("screw_speed", "critical_speed", "contact_truncation", "backlash", "axial_backlash"),
     *("lost_motion", "false_brinelling", "jamming", "self_locking", "efficiency"),
@@ -34,6 +47,10 @@ _MARGINS = (
 )
 #: Quantities that are listed beside the margins.
 CHECK_VALUES = tuple(name for name in _ORDER if name not in _MARGINS)
+#: Pressures of every stage in place of the largest of all.
+_PRESSURES = {"max_pressure": stage_pressures, "max_pressure_shared": shared_stage_pressures}
+_PRELOADED = "preloaded_pressure"
+_PRESSURE_NAMES = (*_PRESSURES, _PRELOADED)
 #: Quantities that are left out where a stage has the margin that states the same value.
 _STATED_BY = {"rating_life_time": "rating_life", "axial_backlash": "backlash"}
 _VERDICTS: dict[str, Verdict] = {"error": "fail", "warning": "warning", "note": "no limit"}
@@ -133,26 +150,39 @@ def _of_values(
             stage = index + 1 if per_stage else 0
             if (_STATED_BY.get(name, ""), stage) in stated:
                 continue
-            if name.startswith("max_pressure"):
-                yield _pressure(mechanism, name, float(value))
+            if np.isneginf(value):
+                continue
+            if name in _PRESSURE_NAMES:
+                yield _pressure(mechanism, name, stage, float(value))
             else:
                 yield StrengthCheck(
                     name, stage, float(value), None, unit, False, None, "1", "no limit"
                 )
 
 
-def _pressure(mechanism: Mechanism, name: str, value: float) -> StrengthCheck:
-    """The largest pressure at the operating point beside the smallest permissible one."""
-    given = [
-        float(stage.strength.permissible_pressure)
-        for stage in mechanism.stages
-        if stage.strength is not None and stage.strength.permissible_pressure is not None
-    ]
-    if not given:
-        return StrengthCheck(name, 0, value, None, "Pa", True, None, "1", "no limit")
-    limit = min(given)
+def _pressure(mechanism: Mechanism, name: str, number: int, value: float) -> StrengthCheck:
+    """The largest pressure of a stage at the operating point beside the permissible one.
+
+    `max_pressure` is without the preload of two nuts, and so is `max_pressure_shared` unless the
+    nut is a modelled split one: within the limit they prove nothing there. `preloaded_pressure`
+    proves it, except where the shares of the threads are known to differ. It has no limit beside a
+    modelled split nut, whose pressures say more.
+    """
+    stage = mechanism.stages[max(number - 1, 0)]
+    strength = stage.strength
+    permissible = None if strength is None else strength.permissible_pressure
+    split = split_nut_of(stage) is not None
+    if name == _PRELOADED:
+        proves = stage.load_sharing is None
+        if split:
+            permissible = None
+    else:
+        proves = (name == "max_pressure_shared" and split) or not is_preloaded(stage)
+    limit = None if permissible is None else float(permissible)
+    if limit is None or (value <= limit and not proves):
+        return StrengthCheck(name, number, value, None, "Pa", True, None, "1", "no limit")
     verdict: Verdict = "pass" if value <= limit else "fail"
-    return StrengthCheck(name, 0, value, limit, "Pa", True, 1 - value / limit, "1", verdict)
+    return StrengthCheck(name, number, value, limit, "Pa", True, 1 - value / limit, "1", verdict)
 
 
 def strength_checks_from(
@@ -174,7 +204,24 @@ def strength_checks_from(
 
 @one_program_where_possible
 def _values(mechanism: Mechanism, names: tuple[str, ...]) -> dict[str, Any]:
-    return evaluate(Analysis(mechanism), names)
+    analysis = Analysis(mechanism)
+    values = evaluate(analysis, names)
+    if len(mechanism.stages) > 1:
+        # Each stage has its own permissible pressure.
+        values |= {name: of(analysis) for name, of in _PRESSURES.items() if name in values}
+        if _PRELOADED not in values and any(map(is_preloaded, mechanism.stages)):
+            # The quantity needs a preload of all stages.
+            stages = range(len(mechanism.stages))
+            values[_PRELOADED] = jnp.stack([_preloaded(analysis, index) for index in stages])
+    return values
+
+
+def _preloaded(analysis: Analysis, index: int) -> Scalar:
+    """Pressure of a stage with its preload; −∞, which no pressure is, for a stage without one."""
+    try:
+        return stage_preloaded_pressure(analysis, index)
+    except MissingDataError:
+        return jnp.full_like(analysis.mechanism.stages[index].thread.lead, -jnp.inf)
 
 
 def check_values(mechanism: Mechanism) -> dict[str, Any]:

@@ -1,6 +1,9 @@
-"""Margins between contact ellipses and the ends of their flanks."""
+"""Margins of crests: below the point of a tooth, and beyond the contact ellipses."""
 
+import functools
 from collections.abc import Iterator
+from math import ceil, floor, isfinite, log10
+from typing import Literal, TypeAlias
 
 import jax.numpy as jnp
 
@@ -9,17 +12,24 @@ from .._errors import MissingDataError
 from ..contact import load_beyond
 from ..fields import Scalar
 from ..geometry import end_names
-from ..mechanism import Mechanism, Stage
+from ..mechanism import Mechanism, Stage, pointed_height
 from ..quantities import (
     Analysis,
     SharedLoad,
+    derives_dynamic_capacity,
+    derives_static_capacity,
     dynamic_capacity_of,
     on_one_flank,
     sharing_factor_of,
     static_capacity_of,
+    truncated_fatigue_of,
 )
 from ._margin import Margin, Reading, margin_source
 
+#: Difference of heights that is rounding [m].
+_ROUNDING = 1e-10
+#: Height that the optimiser keeps below the point of a tooth, for rounding in a file [m].
+_RESERVE = 1e-6
 #: Loads for which the ellipses are checked, and their names in the message.
 _LOADS = {
     "operating": "the operating load",
@@ -61,6 +71,33 @@ def _loads(analysis: Analysis, index: int) -> dict[str, tuple[Scalar, Scalar]]:
     return loads
 
 
+def _whole_loads(analysis: Analysis, index: int) -> list[Scalar]:
+    """Loads as the second ones of `_load` where no ellipse is cut, so that capacities are higher.
+
+    An addendum that is enough for the present capacity would be too low for the one it gives.
+    """
+    stage, loads = analysis.mechanism.stages[index], []
+    for which, (_, of_thread) in _loads(analysis, index).items():
+        fatigue = truncated_fatigue_of(analysis, index, stage) if which == "dynamic" else None
+        if fatigue is not None:
+            factor = sharing_factor_of(analysis, index, "equivalent")
+            loads.append(fatigue.untruncated * factor)
+        elif which == "static" and derives_static_capacity(stage):
+            factor, meshing = sharing_factor_of(analysis, index), analysis.meshing(index)
+            contact = analysis.reference_contact(index)
+            whole = strength.static_capacity(stage, meshing, contact, factor, (None, None))
+            loads.append(whole * factor)
+        else:
+            loads.append(of_thread)
+    return loads
+
+
+def _whole_extent(analysis: Analysis, index: int, reach: strength.EndReach) -> Scalar:
+    """Half-extent of the longest ellipse towards an end, if none is cut [m]."""
+    loads = analysis.once(("whole_loads", index), lambda: _whole_loads(analysis, index))
+    return jnp.max(jnp.stack([reach.half_extent(load) for load in loads]))
+
+
 def _reaches(analysis: Analysis, index: int) -> tuple[strength.EndReach, ...]:
     stage = analysis.mechanism.stages[index]
     return analysis.once(
@@ -79,13 +116,82 @@ def _shares(stage: Stage) -> tuple[SharedLoad, ...]:
     return ("operating_point", "largest", "equivalent")
 
 
+_Body: TypeAlias = Literal["screw", "roller", "nut"]
+_BODIES: tuple[_Body, ...] = ("screw", "roller", "nut")
+#: Bodies whose threads have an addendum; the nut's thread is as high as the screw's.
+_BODIES_OF: dict[str, tuple[_Body, ...]] = {
+    "screw_addendum": ("screw", "nut"),
+    "roller_addendum": ("roller",),
+}
+
+
+def _addendum_of(body: str) -> str:
+    """Name of the height of a body's thread."""
+    return "roller_addendum" if body == "roller" else "screw_addendum"
+
+
+@margin_source
+def _pointed_teeth(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    """The two flanks of a tooth must not meet below its crest."""
+    if mechanism.stages[index].line_contact is not None:
+        # Rings have flanks of their own.
+        return
+    for body in _BODIES:
+        name = _addendum_of(body)
+        if getattr(mechanism.stages[index].thread, name) is None:
+            continue
+
+        def heights(analysis: Analysis, body: _Body = body, name=name) -> dict[str, Scalar]:
+            stage = analysis.mechanism.stages[index]
+            return {
+                "addendum": getattr(stage.thread, name),
+                "point": pointed_height(stage, body),
+            }
+
+        def value(analysis: Analysis, heights=heights) -> Scalar:
+            found = heights(analysis)
+            return found["point"] - found["addendum"]
+
+        def message(r: Reading, body=body, name=name) -> str:
+            thread = r.mechanism.stages[index].thread
+            return (
+                f"stage.thread.{name} is {r.details['addendum'] * 1e3:.6g} mm, but with a pitch of "
+                f"{float(thread.pitch) * 1e3:.4g} mm the flanks of the {body}'s teeth end "
+                f"{r.details['point'] * 1e3:.4g} mm above the nominal radius, where a tooth is "
+                "pointed: such a thread cannot exist; lower the addendum, or raise the lead or the "
+                "contact angle"
+            )
+
+        yield Margin(
+            "pointed_tooth",
+            index + 1,
+            value,
+            (("error", -_ROUNDING),),
+            message,
+            unit="m",
+            kind="existence",
+            details=heights,
+            shown=lambda r: (r.details["addendum"], r.details["point"]),
+            at_most=True,
+            reserve=_RESERVE + _ROUNDING,
+            subject=body,
+        )
+
+
 @margin_source
 def _contact_truncation(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     for place, (side, kind, body) in enumerate(end_names(mechanism.stages[index])):
 
-        def details(analysis: Analysis, place=place) -> dict[str, Scalar]:
+        def details(analysis: Analysis, place=place, body=body) -> dict[str, Scalar]:
             reach = _reaches(analysis, index)[place]
             numbers = {"distance": reach.end.distance}
+            if reach.end.kind == "crest":
+                stage = analysis.mechanism.stages[index]
+                lacking = _whole_extent(analysis, index, reach) - reach.end.distance
+                present = getattr(stage.thread, _addendum_of(body))
+                numbers["needed"] = present + lacking / reach.end.lengthening
+                points = [pointed_height(stage, one) for one in _BODIES_OF[_addendum_of(body)]]
+                numbers["point"] = functools.reduce(jnp.minimum, points)
             for which, (load, of_thread) in _loads(analysis, index).items():
                 numbers[which] = load
                 numbers[which + "_half_extent"] = reach.half_extent(of_thread)
@@ -111,6 +217,7 @@ def _contact_truncation(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             shown=lambda r: (-r.value / (r.details["distance"] - r.value), 0.0),
             shown_unit="1",
             at_most=True,
+            reserve=_RESERVE,
             subject=f"{kind} of {body} on the {side} side",
             shares=_shares(mechanism.stages[index]),
         )
@@ -122,7 +229,7 @@ def _message(reading: Reading, index: int, side: str, kind: str, body: str) -> s
     if not distance > 0:
         return (
             f"the contact on the {side} side lies beyond {place}: pressures and capacities are not "
-            f"valid. Remedy: {_remedy(stage, kind, body, -distance)}"
+            f"valid. Remedy: {_remedy(reading, index, kind, body)}"
         )
     parts = []
     for which in sorted((w for w in _LOADS if w in numbers), key=lambda w: numbers[w]):
@@ -142,28 +249,60 @@ def _message(reading: Reading, index: int, side: str, kind: str, body: str) -> s
             onset = numbers[which] * (distance / half) ** 3
     return (
         f"above {onset * 1e-3:.4g} kN the contact ellipse on the {side} side passes {place}: "
-        f"{', '.join(parts)}. {_taken(stage)} take this into account, "
-        "but not the concentration of pressure at the edge. Remedy: "
-        + _remedy(stage, kind, body, -reading.value)
+        f"{', '.join(parts)}. {_taken(stage)}. Remedy: {_remedy(reading, index, kind, body)}"
     )
 
 
 def _taken(stage: Stage) -> str:
-    """What the truncation is part of."""
+    """Which results include the truncation, and which do not."""
     data = stage.strength
-    rated = data is not None and data.fatigue_rule == "equivalent_balls"
-    return "The static capacity and pressures" if rated else "Capacities, life and pressures"
+    static, cuts = derives_static_capacity(stage), strength.cuts_fatigue(stage)
+    dynamic = derives_dynamic_capacity(stage)
+    included = {
+        (True, True): "Capacities, life and pressures",
+        (True, False): "The static capacity and pressures",
+        (False, True): "The dynamic capacity, life and pressures",
+        (False, False): "Pressures",
+    }[static, dynamic and cuts]
+    left_out = []
+    if data is not None and data.static_capacity is not None and data.dynamic_capacity is not None:
+        left_out.append("the given capacities and the life")
+    elif data is not None and data.static_capacity is not None:
+        left_out.append("the given static capacity")
+    elif data is not None and data.dynamic_capacity is not None:
+        left_out.append("the given dynamic capacity and its life")
+    if dynamic and not cuts:
+        left_out.append("the dynamic capacity of equivalent balls and its life")
+    left_out.append("the concentration of pressure at the edge")
+    return f"{included} take this into account, but not {', nor '.join(left_out)}"
 
 
-def _remedy(stage: Stage, kind: str, body: str, missing: float) -> str:
-    """What to change; `missing` is the length of flank that the longest ellipse lacks [m]."""
+def _remedy(reading: Reading, index: int, kind: str, body: str) -> str:
+    """What to change so that no ellipse passes an end of the flank."""
     load = "engage more threads or rollers, or lower the load"
     if kind == "root":
         return f"deepen the {body}'s thread, {load}"
-    name = "roller_addendum" if body == "roller" else "screw_addendum"
-    present = float(getattr(stage.thread, name))
-    needed = present + missing * float(jnp.cos(stage.thread.flank_angle))
+    name = _addendum_of(body)
+    present = float(getattr(reading.mechanism.stages[index].thread, name)) * 1e3
+    needed, point = reading.details["needed"] * 1e3, reading.details["point"] * 1e3
+    if not isfinite(needed):
+        return f"raise stage.thread.{name}, {load}"
+    proposed = _round_up(needed, point)
+    if proposed is not None:
+        return f"raise stage.thread.{name} from {present:.6g} to {proposed} mm, {load}"
     return (
-        f"raise stage.thread.{name} from {present * 1e3:.3g} to {needed * 1e3:.3g} mm (as far as "
-        f"the pitch allows), {load}"
+        f"raise the pitch, {load}; {needed:.4g} mm of stage.thread.{name} ({present:.6g} mm now) "
+        f"would be enough, but at this pitch the flanks of a tooth end at {point:.4g} mm"
     )
+
+
+def _round_up(needed: float, greatest: float) -> str | None:
+    """A number of few digits from `needed` to `greatest`; `None` if there is none."""
+    if not 0 < needed <= greatest:
+        return None
+    for digits in (3, 4, 5, 6):
+        step = 10.0 ** (floor(log10(needed)) + 1 - digits)
+        rounded = f"{ceil(needed / step) * step:.{digits}g}"
+        if needed <= float(rounded) <= greatest:
+            return rounded
+    return None

@@ -3,6 +3,7 @@
 from ._checks import (
     Finding as Finding,
     Severity as Severity,
+    axis_possible as axis_possible,
     bore_margins as bore_margins,
     carrier_clearance as carrier_clearance,
     dimension_margins as dimension_margins,

@@ -7,7 +7,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
 from ..fields import Scalar
-from ..mechanism import Stage, Thread, numbers_possible
+from ..mechanism import Axis, Stage, Thread, numbers_possible
+from ..numerics import below_or_nan
 
 Severity = Literal["error", "warning", "note"]
 
@@ -123,6 +124,25 @@ def dimensions_possible(stage: Stage) -> Bool[Array, ""]:
     margins = dimension_margins(stage.thread) | bore_margins(stage)
     within = jnp.stack([margin > 0 for margin in margins.values()]).all()
     return within & numbers_possible(stage)
+
+
+def axis_possible(axis: Axis, stage: Stage) -> Bool[Array, ""]:
+    """Whether numbers are in range and the nut lies on the screw, between its bearings.
+
+    The check of files for traced numbers. NaN passes: results that depend on it are NaN.
+    """
+    possible = numbers_possible(axis)
+    shaft, length = axis.shaft, stage.screw.length
+    if shaft is None:
+        return possible
+    far = shaft.far_bearing
+    if far is not None:
+        possible &= below_or_nan(shaft.nut_distance, far.distance)
+        if length is not None:
+            possible &= jnp.logical_not(far.distance > length)
+    elif length is not None:
+        possible &= below_or_nan(shaft.nut_distance, length)
+    return possible
 
 
 def rollers_fit(stage: Stage) -> Bool[Array, ""]:

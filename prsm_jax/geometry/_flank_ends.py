@@ -27,6 +27,8 @@ class FlankEnd(eqx.Module):
     #: Coefficient of the gap in that direction, between A and B; `None` stands for the direction
     #: across rolling [1/m].
     coefficient: Scalar | None
+    #: Growth of the distance per height of a crest or depth of a root [1].
+    lengthening: Scalar
     #: `"crest"` or `"root"`, and of which body: `"screw"`, `"nut"` or `"roller"`.
     kind: str = eqx.field(static=True)
     body: str = eqx.field(static=True)
@@ -76,10 +78,10 @@ def _radii(stage: Stage, side: str) -> Iterator[_Radius]:
         yield _Radius(thread.roller_radius - roots["roller"], "root", "roller")
 
 
-def _from_nominal(thread: Thread, end: _Radius) -> Scalar:
-    """Distance from the nominal point along a flank without a lead [m]."""
-    nominal = getattr(thread, f"{end.body}_radius")
-    return jnp.abs(end.radius - nominal) / jnp.cos(thread.flank_angle)
+def _from_nominal(thread: Thread, end: _Radius) -> tuple[Scalar, None, Scalar]:
+    """Distance from the nominal point along a flank without a lead [m], and its growth [1]."""
+    nominal, cosine = getattr(thread, f"{end.body}_radius"), jnp.cos(thread.flank_angle)
+    return jnp.abs(end.radius - nominal) / cosine, None, 1 / cosine
 
 
 class _Direction(eqx.Module):
@@ -142,14 +144,16 @@ def _directions(
 
 def _from_contact(
     thread: Thread, contact: ThreadContact, ends: tuple[_Radius, ...], side: str
-) -> Iterator[tuple[Scalar, Scalar]]:
-    """Distances from the contact point in the tangent plane, and the gap's coefficients there."""
+) -> Iterator[tuple[Scalar, Scalar, Scalar]]:
+    """Distances from the contact point in the tangent plane, the gap's coefficients there, and the
+    growth of the distances.
+    """
     directions = _directions(thread, contact, side, any(end.body == "roller" for end in ends))
     for end in ends:
         seen = directions[end.body]
         outer = (end.kind == "crest") != (end.body == "nut")
         distance = end.radius - seen.radius if outer else seen.radius - end.radius
-        yield distance * seen.lengthening, seen.coefficient
+        yield distance * seen.lengthening, seen.coefficient, seen.lengthening
 
 
 def _way(end: _Radius) -> Way:
@@ -185,8 +189,7 @@ def _ends(
     thread = stage.thread
     if meshing is None:
         return tuple(
-            FlankEnd(_from_nominal(thread, end), None, end.kind, end.body, _way(end))
-            for end in radii
+            FlankEnd(*_from_nominal(thread, end), end.kind, end.body, _way(end)) for end in radii
         )
     seen = _from_contact(thread, getattr(meshing, side), radii, side)
     return tuple(

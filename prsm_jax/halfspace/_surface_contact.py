@@ -177,7 +177,7 @@ def solve_contact(
         separation=displacement + gap - final,
         approach=final,
         load=jnp.sum(pressures.pressure) * grid.cell_area,
-        max_pressure=peak_pressure(pressures.pressure),
+        max_pressure=peak_pressure(pressures.pressure, material),
         area=jnp.sum(contact.astype(gap.dtype)) * grid.cell_area,
         iterations=pressures.iterations,
         residual=pressures.residual,

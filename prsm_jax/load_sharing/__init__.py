@@ -33,6 +33,7 @@ from ._unloaded import (
     ElasticDeflection as ElasticDeflection,
     Resting as Resting,
     elastic_deflection as elastic_deflection,
+    secant_or_tangent as secant_or_tangent,
 )
 from ._yamamoto import ToothCompliance as ToothCompliance, tooth_compliance as tooth_compliance
 from .part_errors import error_names as error_names

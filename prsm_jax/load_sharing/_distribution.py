@@ -94,12 +94,17 @@ class LoadDistribution(DesignResult):
     @mapped
     def elastic(self) -> ElasticDeflection:
         """The part of `deflection` that the load causes, without preload, play and errors."""
-        return elastic_deflection(self.chains, self.load, self.deflection)
+        # Only teeth with flanks on both sides can be preloaded.
+        tangent = self.tangent_stiffness if self.chains.screw.reverse_gap is not None else None
+        return elastic_deflection(self.chains, self.load, self.deflection, None, tangent)
 
     @property
     @mapped
     def secant_stiffness(self) -> Scalar:
-        """Load over the travel that it causes (see `elastic`) [N/m]; 0 without load."""
+        """Load over the travel that it causes (see `elastic`) [N/m].
+
+        Without load: the tangent stiffness of a preloaded nut, its limit; 0 of another one.
+        """
         return self.elastic.secant_stiffness
 
     @property

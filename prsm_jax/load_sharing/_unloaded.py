@@ -13,13 +13,16 @@ from ._chains import Chains, deflection_of
 from ._equilibrium import equilibrium
 from ._stage_chains import regularised
 
+#: Rounding errors of travels that balances give, over the machine's.
+_UNRESOLVED = 1e4
+
 
 class ElasticDeflection(NamedTuple):
     """Travel of screw towards nut that the load causes."""
 
     #: Measured from the position without load [m].
     deflection: Scalar
-    #: Load over this deflection [N/m]; 0 without load, where only the tangent is defined.
+    #: Load over this deflection [N/m]. Without load: the tangent if preloaded, its limit; else 0.
     secant_stiffness: Scalar
     #: Position without load, from where nominal forward flanks touch [m].
     unloaded_position: Scalar
@@ -88,10 +91,33 @@ def _rest(
     return jnp.where(preloaded, resting.travel, touching), preloaded, ~preloaded | resting.converged
 
 
+def secant_or_tangent(elastic: ElasticDeflection, travel: Scalar, tangent: Scalar) -> Scalar:
+    """The secant stiffness; of a preloaded nut under no load, or too small a one, its limit [N/m].
+
+    A deflection that is a difference of travels within their rounding errors is no deflection. The
+    derivative of the limit by the load is that of the tangent, twice that of the secant; by other
+    numbers it is exact.
+
+    **Arguments:**
+
+    - `elastic`: the deflection.
+    - `travel`: as in `elastic_deflection`.
+    - `tangent`: dF/dx under the load.
+    """
+    size = jnp.maximum(jnp.abs(travel), jnp.abs(elastic.unloaded_position))
+    rounding = _UNRESOLVED * jnp.finfo(travel.dtype).eps * size
+    lost = elastic.preloaded & (jnp.abs(elastic.deflection) <= rounding)
+    return jnp.where(lost, tangent, elastic.secant_stiffness)
+
+
 # One program where a user asks a distribution for it.
 @one_program_where_possible
 def elastic_deflection(
-    chains: Chains, load: Scalar, travel: Scalar, resting: Resting | None = None
+    chains: Chains,
+    load: Scalar,
+    travel: Scalar,
+    resting: Resting | None = None,
+    tangent: Scalar | None = None,
 ) -> ElasticDeflection:
     """Travel that a load causes, from the unloaded (or preloaded) position, after play is taken up.
 
@@ -104,6 +130,7 @@ def elastic_deflection(
     - `load`: axial load [N].
     - `travel`: of screw towards nut under it, from where nominal forward flanks touch [m].
     - `resting`: the balance without a load, if known already.
+    - `tangent`: dF/dx, the secant of a preloaded nut without load [N/m]; default: 0 there.
     """
     rest, preloaded, converged = _rest(chains, load, resting)
     rest = jnp.where(converged, rest, jnp.nan)
@@ -111,4 +138,7 @@ def elastic_deflection(
     deflection = jnp.where(loaded | preloaded, travel - rest, 0.0)
     deflected = loaded & (deflection != 0)
     secant = jnp.where(deflected, load / jnp.where(deflected, deflection, 1.0), 0.0)
-    return ElasticDeflection(deflection, secant, rest, preloaded, converged)
+    elastic = ElasticDeflection(deflection, secant, rest, preloaded, converged)
+    if tangent is not None:
+        secant = secant_or_tangent(elastic, travel, tangent)
+    return elastic._replace(secant_stiffness=secant)

@@ -18,6 +18,7 @@ from ._mechanism import (
 )
 from ._one_design import (
     check_one_design as check_one_design,
+    of_designs as of_designs,
     of_one_design as of_one_design,
     of_one_known_design as of_one_known_design,
 )
@@ -43,6 +44,7 @@ from .derived import (
     numbers_possible as numbers_possible,
     nut_outer_radius as nut_outer_radius,
     nut_unit_mass as nut_unit_mass,
+    pointed_height as pointed_height,
     screw_root_radius as screw_root_radius,
     screw_section as screw_section,
     stage_mass as stage_mass,

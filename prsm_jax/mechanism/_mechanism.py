@@ -181,7 +181,11 @@ class OperatingPoint(Limited):
     speed: Number = number(
         "rad/s", "speed of the body that turns; negative when the load drives it back"
     )
-    load: Number = number("N", "axial load on the last nut, against its motion at positive speed")
+    load: Number = number(
+        "N",
+        "axial load on the body that travels (last nut; screw of an inverted roller screw), "
+        "against its motion at positive speed",
+    )
     duration: OptionalNumber = optional_number("s", "length of a transient simulation")
 
 

@@ -18,7 +18,15 @@ from ..mechanism import (
 )
 from ..quantities import QuantityLike
 from ._choices import best_of_choices, choices_of
-from ._problem import number, present_design, problem_of, robust
+from ._problem import (
+    avoiding,
+    number,
+    present_design,
+    problem_of,
+    refuse_opposed,
+    robust,
+    whole_number,
+)
 from ._searches import Searches
 from ._starts import starting_positions
 from .results import Design, Optimum, Reporter, optimum_of
@@ -49,6 +57,7 @@ def optimise(
     progress: bool | Callable[[int, int, int], None] = False,
     watch: Callable[[int, int, int, Design], None] | None = None,
     respect_findings: bool = True,
+    avoid_warnings: bool | None = None,
 ) -> Optimum:
     r"""Find the best design within bounds and constraints, by exact gradients from several starts.
 
@@ -105,6 +114,8 @@ def optimise(
       it raises ends the search.
     - `respect_findings`: whether errors of `check` are constraints; if not, the result may be a
       design that cannot be built.
+    - `avoid_warnings`: whether warnings of `check` are constraints, too, where they depend on the
+      variables and have a derivative; default that of the problem.
 
     **Returns:** an `Optimum`. Infeasible problems and failed searches are reported there
     (`converged`, `message`), not raised.
@@ -114,9 +125,11 @@ def optimise(
     `MissingDataError` where the mechanism lacks data.
     """
     problem = problem_of(mechanism, problem, variables, maximise, minimise, constraints)
+    refuse_opposed(problem)
     if nut_speed is not None:
         problem = dataclasses.replace(problem, nut_speed=nut_speed)
     problem = robust(mechanism, problem, operating_points, worst_case, tolerance_sigmas)
+    problem = avoiding(problem, avoid_warnings, respect_findings)
     if choices is not None:
         problem = dataclasses.replace(problem, choices=choices_of(choices))
 
@@ -125,8 +138,8 @@ def optimise(
             moved,
             inner,
             counts,
-            speed=number(speed),
-            load=number(load),
+            speed=number(speed, "speed"),
+            load=number(load, "load"),
             method=method,
             starts=starts,
             seed=seed,
@@ -160,9 +173,8 @@ def _of_fixed_choices(
 ) -> Optimum:
     """`optimise` without choices; `counts` as for `Evaluator`."""
     present = present_design(mechanism, problem.variables)
-    count = problem.starts if starts is None else starts
-    if count < 1:
-        raise ValueError(f"starts is {count}; it must be at least 1")
+    count = whole_number(problem.starts if starts is None else starts, "starts", 1)
+    seed = whole_number(problem.seed if seed is None else seed, "seed", 0)
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance is {tolerance}; it must be between 0 and 1")
     requested = problem.method if method is None else method
@@ -181,7 +193,6 @@ def _of_fixed_choices(
     evaluator = _evaluator(mechanism, problem, counts, speed, load, respect_findings, prepare)
     report = Reporter(evaluator, problem)
     initial = (present - evaluator.lower) / evaluator.width
-    seed = problem.seed if seed is None else seed
     positions = list(starting_positions(initial, count, seed))
     for position in positions:
         if evaluator.point(position).good:

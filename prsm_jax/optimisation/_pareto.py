@@ -13,7 +13,7 @@ from ..mechanism import (
     Variable,
     of_one_known_design,
 )
-from ._problem import front_objectives, number, present_design, problem_of, robust
+from ._problem import avoiding, front_objectives, number, present_design, problem_of, robust
 from ._starts import starting_positions
 from .front import FrontSearch, ParetoFront, front_of
 from .results import Reporter
@@ -39,6 +39,7 @@ def pareto(
     tolerance: float = 1e-6,
     progress: Callable[[int, int], None] | None = None,
     respect_findings: bool = True,
+    avoid_warnings: bool | None = None,
 ) -> ParetoFront:
     r"""Find the front of two or three objectives within bounds and constraints.
 
@@ -65,7 +66,8 @@ def pareto(
     - `starts`, `seed`: starts of the searches for the best of each objective, as for `optimise`.
     - `tolerance`: for the Karush–Kuhn–Tucker residual and for constraints, in scaled units.
     - `progress`: called with the number of finished searches and the number known so far.
-    - `respect_findings`: whether errors of `check` are constraints, as for `optimise`.
+    - `respect_findings`, `avoid_warnings`: whether errors and warnings of `check` are constraints,
+      as for `optimise`.
 
     **Returns:** a `ParetoFront`. It has no points if no feasible design was found.
 
@@ -98,6 +100,7 @@ def pareto(
         nut_speed=problem.nut_speed if nut_speed is None else nut_speed,
     )
     problem = robust(mechanism, problem, operating_points, None, tolerance_sigmas)
+    problem = avoiding(problem, avoid_warnings, respect_findings)
     for one in problem.objectives:
         if one.over == "worst":
             raise ValueError(
@@ -107,7 +110,13 @@ def pareto(
     if not 0 < tolerance < 1:
         raise ValueError(f"tolerance is {tolerance}; it must be between 0 and 1")
     present = present_design(mechanism, problem.variables)
-    evaluator = Evaluator(mechanism, problem, number(speed), number(load), margins=respect_findings)
+    evaluator = Evaluator(
+        mechanism,
+        problem,
+        number(speed, "speed"),
+        number(load, "load"),
+        margins=respect_findings,
+    )
     whole = ", ".join(row.label for row in evaluator.margins.integer)
     if whole:
         raise ValueError(

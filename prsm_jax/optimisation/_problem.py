@@ -1,6 +1,7 @@
 """The design problem: that of the mechanism, or one from arguments."""
 
 import dataclasses
+import operator
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, cast
 
@@ -19,7 +20,7 @@ from ..mechanism import (
     check_independent,
     find_parameters,
 )
-from ..quantities import QuantityLike, find_quantity, quantity_name
+from ..quantities import QuantityLike, find_quantity, quantity_name, quantity_names
 
 
 def problem_of(
@@ -62,9 +63,23 @@ def problem_of(
         raise ValueError("the design problem has no variables; give at least one")
     if not problem.objectives:
         raise ValueError("the design problem has no objective; give maximise or minimise")
-    for term in (*problem.objectives, *problem.constraints):
-        find_quantity(term.quantity)
-    return problem
+    return _with_names(problem)
+
+
+def _with_names(problem: DesignProblem) -> DesignProblem:
+    """A problem in which two functions of the same name have numbers.
+
+    **Raises:** `UnknownNameError` for an unknown quantity.
+    """
+    terms = (*problem.objectives, *problem.constraints)
+    named: list[Any] = []
+    for term, name in zip(terms, quantity_names(one.quantity for one in terms), strict=True):
+        find_quantity(name)
+        named.append(dataclasses.replace(term, quantity=name))
+    count = len(problem.objectives)
+    return dataclasses.replace(
+        problem, objectives=tuple(named[:count]), constraints=tuple(named[count:])
+    )
 
 
 def _variables(variables) -> tuple[Variable, ...]:
@@ -178,6 +193,23 @@ def robust(
     return dataclasses.replace(problem, objectives=terms)
 
 
+def avoiding(problem: DesignProblem, warnings: bool | None, respected: bool) -> DesignProblem:
+    """A problem whose search avoids warnings of `check`, or does not; `None` leaves it.
+
+    Where findings are not `respected`, warnings are not either.
+
+    **Raises:** `ValueError` where warnings are to be avoided, and findings not respected.
+    """
+    if warnings is None:
+        warnings = problem.avoid_warnings and respected
+    if warnings and not respected:
+        raise ValueError(
+            "avoid_warnings is True and respect_findings False; leave out one of them: limits of "
+            "check are constraints, or they are not"
+        )
+    return dataclasses.replace(problem, avoid_warnings=warnings)
+
+
 def _phases(mechanism: Mechanism) -> tuple[OperatingCase, ...]:
     """The phases of the duty cycle, with their durations as shares."""
     cycle = mechanism.duty_cycle
@@ -190,12 +222,44 @@ def _phases(mechanism: Mechanism) -> tuple[OperatingCase, ...]:
     return tuple(OperatingCase(*row) for row in zip(*columns, strict=True))
 
 
-def number(value: float | Scalar | None) -> Scalar | None:
+def number(value: float | Scalar | None, name: str) -> Scalar | None:
     """An operating speed or load as an array.
 
     A Python number would be a constant of the program: another speed would compile again.
+
+    **Raises:** `ValueError` for a number that is not finite.
     """
-    return None if value is None else jnp.asarray(value, jnp.result_type(float))
+    if value is None:
+        return None
+    if not np.isfinite(np.asarray(value, float)):
+        unit = "N" if name == "load" else "rad/s"
+        raise ValueError(f"{name} is {value}; give a finite number in {unit}")
+    return jnp.asarray(value, jnp.result_type(float))
+
+
+def whole_number(value: Any, name: str, least: int) -> int:
+    """A whole number among the settings of a search.
+
+    **Raises:** `ValueError` for any other.
+    """
+    try:
+        whole = operator.index(value)
+    except TypeError:
+        whole = least - 1
+    if whole < least or isinstance(value, bool):
+        raise ValueError(f"{name} is {value}; give a whole number of {least} or more")
+    return whole
+
+
+def refuse_opposed(problem: DesignProblem) -> None:
+    """**Raises:** `ValueError` for a quantity that is maximised and minimised in one sum."""
+    senses: dict[tuple[str, str], str] = {}
+    for one in problem.objectives:
+        if senses.setdefault((one.quantity, one.over), one.sense) != one.sense:
+            raise ValueError(
+                f"{one.quantity!r} is both maximised and minimised, and the terms cancel; keep one "
+                "of them"
+            )
 
 
 def constraints_of(

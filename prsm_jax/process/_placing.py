@@ -39,6 +39,9 @@ def put_file(finished: Path, target: Path) -> None:
     """Move a finished file to its place; of a link, the file that it points to is replaced."""
     if not (target.is_symlink() or is_written_through(target)):
         try:
+            with contextlib.suppress(OSError):
+                # The permissions of the file stay.
+                shutil.copymode(target, finished)
             os.replace(finished, target)
             return
         except OSError as error:

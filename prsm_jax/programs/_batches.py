@@ -5,8 +5,9 @@ Properties derived from these arrays are written for one design, and mapped here
 """
 
 import abc
+import contextlib
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import equinox as eqx
@@ -56,9 +57,10 @@ def listed(
     @functools.wraps(method)
     def run(result: _Own, /, *args: _Params.args, **kwargs: _Params.kwargs) -> Any:
         shape = result.batch_shape
-        if not shape:
-            return method(result, *args, **kwargs)
-        values = [method(one, *args, **kwargs) for _, one in _designs(result)]
+        with _known(result, method.__name__):
+            if not shape:
+                return method(result, *args, **kwargs)
+            values = [method(one, *args, **kwargs) for _, one in _designs(result)]
         return np.reshape(np.asarray(values), shape + np.shape(values[0]))
 
     return run
@@ -74,14 +76,33 @@ def each(
 
     @functools.wraps(method)
     def run(result: _Own, /, *args: _Params.args, **kwargs: _Params.kwargs) -> Any:
-        if not result.batch_shape:
-            return method(result, *args, **kwargs)
-        objects = np.empty(result.batch_shape, object)
-        for index, one in _designs(result):
-            objects[index] = method(one, *args, **kwargs)
-        return objects
+        with _known(result, method.__name__):
+            if not result.batch_shape:
+                return method(result, *args, **kwargs)
+            objects = np.empty(result.batch_shape, object)
+            for index, one in _designs(result):
+                objects[index] = method(one, *args, **kwargs)
+            return objects
 
     return run
+
+
+@contextlib.contextmanager
+def _known(result: AbstractResult, name: str) -> Generator[None, None, None]:
+    """Say what to do inside a trace, where there are no values to take words from.
+
+    **Raises:** `TypeError`.
+    """
+    try:
+        yield
+    except (jax.errors.ConcretizationTypeError, jax.errors.TracerArrayConversionError) as error:
+        kind = type(result).__name__
+        remedy = f"read .{name} from the result, outside of jax.jit, jax.vmap and jax.grad"
+        if getattr(result, "code", None) is not None:
+            remedy = f"use .code inside a trace, or {remedy}"
+        raise TypeError(
+            f"{kind}.{name} depends on values, which are not known inside a trace; {remedy}"
+        ) from error
 
 
 def _designs(result: _Own) -> Iterator[tuple[tuple[int, ...], _Own]]:

@@ -2,6 +2,7 @@
 
 import functools
 import inspect
+import typing
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
@@ -31,16 +32,22 @@ def one_program(function: Callable[_Params, _Return]) -> Callable[_Params, _Retu
 
     Numbers are traced, including Python floats and NumPy arrays, so that a new value does not
     compile again; other arguments (integers, words, functions) are static and must be hashable.
+    An argument whose annotation is that of a number (`Scalar`) is one in whatever type it is given:
+    an integer does not compile again either.
 
     `jax.grad` and `jax.vjp` outside of a program run two: one for the value, and one for the
     derivative, which begins with the arguments. Between them JAX takes some 50 µs for every number.
     """
     program = one_program_where_possible(function)
     in_two = one_program_where_possible(_keeping_arguments(function))
+    places, names = _numbers_of(function)
 
     @functools.wraps(function)
     def run(*args: _Params.args, **kwargs: _Params.kwargs) -> _Return:
-        args, kwargs = traceable((args, kwargs))
+        given = [_as_number(one) if place in places else one for place, one in enumerate(args)]
+        named = {name: _as_number(one) if name in names else one for name, one in kwargs.items()}
+        numbers: Any = (tuple(given), named)
+        args, kwargs = traceable(numbers)
         leaves, structure = jax.tree.flatten((args, kwargs))
         moving = [leaf if _moves(leaf) else None for leaf in leaves]
         # Inside a program new arrays are traced as well, whatever the arguments are.
@@ -76,6 +83,36 @@ def _keeping_arguments(function: Callable[..., _Return]) -> Callable[..., _Retur
 
     run.__name__ = run.__qualname__ = function.__name__
     return run
+
+
+def _numbers_of(function: Callable[..., Any]) -> tuple[frozenset[int], frozenset[str]]:
+    """Places and names of the arguments of a function that are single numbers."""
+    found = [
+        (place, name)
+        for place, (name, one) in enumerate(inspect.signature(function).parameters.items())
+        if any(
+            getattr(hint, "dim_str", None) == ""
+            for hint in (one.annotation, *typing.get_args(one.annotation))
+        )
+    ]
+    return frozenset(place for place, _ in found), frozenset(name for _, name in found)
+
+
+def _as_number(value: Any) -> Any:
+    """A known number of any type as an array of the default type; by NumPy, without compiling.
+
+    **Raises:** `ValueError` for a complex number, whose imaginary part would be lost.
+    """
+    single = isinstance(value, int | float | np.number | np.ndarray | jax.Array)
+    kind = "c" if isinstance(value, complex) else getattr(getattr(value, "dtype", None), "kind", "")
+    if kind == "c" and not isinstance(value, Tracer):
+        raise ValueError(f"a number is complex: {value}; give real numbers")
+    if not single or isinstance(value, bool | Tracer) or np.ndim(value):
+        return value
+    dtype = jnp.result_type(float)
+    if isinstance(value, jax.Array) and value.dtype == dtype:
+        return value
+    return jnp.asarray(np.asarray(value, dtype))
 
 
 def _moves(leaf) -> bool:
@@ -221,6 +258,9 @@ def _of_arrays(
 
 def _can_be_kept(tree) -> bool:
     leaves, structure = jax.tree.flatten(tree)
+    # JAX would keep the traced number of a function with the program, after its trace has ended.
+    if any(getattr(leaf, "holds_traced", False) for leaf in leaves):
+        return False
     try:
         hash((structure, *(leaf for leaf in leaves if not eqx.is_array(leaf))))
     except TypeError:

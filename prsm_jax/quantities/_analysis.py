@@ -14,7 +14,7 @@ from .._errors import MissingDataError
 from ..contact import AxisMeasure, StageContact, StressPeak, load_of, speed_of, stage_contact
 from ..dynamics import StageKinematics, SteadyState, all_kinematics, steady_state
 from ..fields import Scalar
-from ..geometry import Meshing, dimensions_possible, rollers_fit
+from ..geometry import Meshing, axis_possible, dimensions_possible, rollers_fit
 from ..load_sharing import LoadDistribution, stage_load_distributions
 from ..mechanism import DutyCycle, Mechanism, Stage
 from ..stiffness import ThreadStiffness, thread_stiffness
@@ -87,8 +87,10 @@ class Analysis:
         contact ellipse has no solution, or the mechanism cannot be built (a dimension out of its
         range, or overlapping rollers).
         """
-        stages = self.mechanism.stages
+        stages, axis = self.mechanism.stages, self.mechanism.axis
         built = [dimensions_possible(stage) & rollers_fit(stage) for stage in stages]
+        if axis is not None:
+            built.append(axis_possible(axis, stages[0]))
         return self.computed & jnp.stack(built).all()
 
     @property

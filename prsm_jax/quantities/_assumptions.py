@@ -10,7 +10,7 @@ from .._errors import MissingDataError
 from ..dynamics import has_contact_losses
 from ..geometry import flanks_end
 from ..mechanism import Mechanism, Stage, material_of
-from ..strength import cuts_fatigue
+from ..strength import cuts_fatigue, is_preloaded, split_nut_of
 
 Sentence = Callable[[Stage], str | None]
 
@@ -158,6 +158,82 @@ def equal_contacts(stage: Stage) -> str | None:
     )
 
 
+@assumption("contacts_without_preload")
+def contacts_without_preload(stage: Stage) -> str | None:
+    """For single contacts."""
+    if not (is_preloaded(stage) and has_contacts(stage)):
+        return None
+    return (
+        "Pressures, ellipses, approaches and stresses of a single contact (max_pressure, …) are "
+        "those of the operating load alone, without the preload of the nut; preloaded_pressure, "
+        "static_safety, contact_truncation and lives include it."
+    )
+
+
+@assumption("contacts_without_friction")
+def contacts_without_friction(stage: Stage) -> str | None:
+    """For pressures and all else of thread contacts, single or shared."""
+    if stage.thread_law is None or not has_contacts(stage):
+        return None
+    return (
+        "Pressures, ellipses, approaches and stresses of thread contacts are those of the axial "
+        "load without thread friction, which raises the normal force where rollers slide while the "
+        "body that turns drives (contact_force includes it), and lowers it while the load drives."
+    )
+
+
+@assumption("stiffness_without_preload")
+def stiffness_without_preload(stage: Stage) -> str | None:
+    """For thread stiffnesses that are derived; a modelled split nut has its preload in them."""
+    if not _has_unmodelled_preload(stage) or not _derives_stiffness(stage):
+        return None
+    if not has_contacts(stage) and stage.load_sharing is None:
+        return None
+    return (
+        "Thread stiffnesses, and frequencies and stiffnesses with them, are those of one nut under "
+        "the operating load alone, without its preload; preloaded_stiffness includes it."
+    )
+
+
+@assumption("secant_of_both_flanks")
+def secant_of_both_flanks(stage: Stage) -> str | None:
+    """For secants of contacts of a split nut, whose forces contain the preload."""
+    if split_nut_of(stage) is None:
+        return None
+    return (
+        "In a split nut the secant stiffness of the contacts adds up force over approach of every "
+        "contact on both flanks, preload included, as the springs for vibration do. It is not the "
+        "load over the travel that it causes, which is larger: see nut_axial_stiffness_secant."
+    )
+
+
+@assumption("friction_without_preload")
+def friction_without_preload(stage: Stage) -> str | None:
+    """For torques, losses and efficiencies."""
+    if stage.friction is None or not is_preloaded(stage):
+        return None
+    return (
+        "Torques, forces, losses and efficiencies are those of the operating load alone, without "
+        "the preload of the nut: its drag torque is preload_torque."
+    )
+
+
+@assumption("shared_without_preload")
+def shared_without_preload(stage: Stage) -> str | None:
+    """For loads of threads; a modelled split nut has its preload in them."""
+    if stage.load_sharing is None or not _has_unmodelled_preload(stage):
+        return None
+    return (
+        "Loads, pressures and deflections of the threads of [stage.load_sharing] are those of the "
+        "operating load alone, without the preload of strength.play; static_safety and lives "
+        "include it."
+    )
+
+
+def _has_unmodelled_preload(stage: Stage) -> bool:
+    return is_preloaded(stage) and split_nut_of(stage) is None
+
+
 @assumption("held_rollers")
 def held_rollers(stage: Stage) -> str | None:
     """For loads of threads that are computed."""
@@ -276,9 +352,10 @@ def _flanks(stage: Stage) -> str:
             else "which edge_pressure includes for the edge_radius of the file."
         )
         return (
-            "Where a contact ellipse extends beyond the crest or root of a flank, pressure, "
-            "capacities and life are those of its remaining part (finding contact_truncation), "
-            f"without the concentration of pressure at the edge, {at_edge}"
+            "Where a contact ellipse extends beyond the crest or root of a flank, pressures, and "
+            "capacities and lives that the file does not give, are those of its remaining part "
+            "(finding contact_truncation), without the concentration of pressure at the edge, "
+            f"{at_edge}"
         )
     return (
         "Contact ellipses are taken to lie completely on the flanks, since the file does not say "

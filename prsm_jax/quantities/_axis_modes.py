@@ -7,6 +7,7 @@ from jaxtyping import Array, Float
 
 from .._errors import MissingDataError
 from ..fields import Scalar
+from ..geometry import axis_possible
 from ..mechanism import Axis, Motor, Side, Stage
 from ..numerics import above_or_nan, below_or_nan
 from ..vibration import (
@@ -22,6 +23,17 @@ from ..vibration import (
     static_compliance,
 )
 from ._analysis import Analysis
+
+#: Quantities of the axis, with their words in tables and their units.
+AXIS_QUANTITIES = {
+    "first_axial_frequency": ("first axial frequency", "Hz"),
+    "first_torsional_frequency": ("first torsional frequency", "Hz"),
+    "first_transverse_frequency": ("first transverse frequency", "Hz"),
+    "antiresonance_frequency": ("anti-resonance, motor held", "Hz"),
+    "position_loop_frequency": ("position loop", "Hz"),
+    "servo_stiffness": ("servo stiffness at the load", "N/m"),
+    "held_motor_stiffness": ("stiffness with the motor held", "N/m"),
+}
 
 
 class AxialModes(NamedTuple):
@@ -77,6 +89,8 @@ def axis_spatial_system(analysis: Analysis, motor_held: bool = False) -> Spatial
 
     def make() -> SpatialSystem:
         stage = analysis.mechanism.stages[0]
+        # Also for a search, which does not check dimensions again.
+        analysis.require(axis_possible(axis, stage))
         try:
             return spatial_system(
                 stage,

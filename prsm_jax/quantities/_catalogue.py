@@ -1,23 +1,20 @@
 """The catalogue of quantities: the vocabulary of sensitivities, optimisation, sweeps, reports."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Int
+from jaxtyping import Array
 
-from .._errors import MissingDataError, UnknownNameError, closest
-from ..fields import Scalar, listed_names
-from ..mechanism import Mechanism, of_one_design
-from ..programs import one_program, origin_of, stored_facts
+from .._errors import UnknownNameError, closest
+from ..fields import listed_names
+from ..mechanism import Mechanism, of_designs
+from ..programs import origin_of
 from ._analysis import Analysis, SharedLoad
 from ._assumptions import known_assumption, sentences
-from ._functions import OfMechanism, name_of_function
-from ._reasons import REASONS, code_of
+from ._functions import FunctionName, OfMechanism, name_of_function, numbered, of_mechanism
 
 
 @dataclass(frozen=True)
@@ -38,14 +35,20 @@ class Quantity:
     assumes: tuple[str, ...] = ()
     shares: tuple[SharedLoad, ...] = ()
 
+    @property
+    def holds_traced(self) -> bool:
+        """Whether its function holds a traced number, so that no program of it can be kept."""
+        return isinstance(self.function, OfMechanism) and self.function.holds_traced
+
 
 #: A name from the catalogue, or a function of a mechanism that returns one number [SI]; or one of
 #: an `Analysis` that is in the catalogue.
 QuantityLike: TypeAlias = str | Callable[..., Any]
 
 _CATALOGUE: dict[str, Quantity] = {}
-#: Functions of a mechanism that were given in place of a name; `catalogue` does not list them.
-_FUNCTIONS: dict[str, OfMechanism] = {}
+#: Functions of a mechanism that were given in place of a name, the last one of each name;
+#: `catalogue` does not list them.
+_FUNCTIONS: dict[str, Quantity] = {}
 
 
 def quantity(
@@ -99,20 +102,55 @@ def quantity_name(quantity: QuantityLike) -> str:
     **Arguments:**
 
     - `quantity`: a name; a function of a mechanism that returns one number, which is known by its
-      own name from then on; or a function that `quantity` has added to the catalogue.
+      own name as long as it exists, and no other one of this name is given; or a function that
+      `quantity` has added to the catalogue.
 
     **Raises:** `ValueError` for a function with the name of another quantity.
     """
-    if isinstance(quantity, str) or not callable(quantity):
+    if isinstance(quantity, FunctionName) or not (isinstance(quantity, str) or callable(quantity)):
         return quantity
+    if isinstance(quantity, str):
+        function = _function_named(quantity)
+        return quantity if function is None else FunctionName(quantity, function)
     for entry in _CATALOGUE.values():
         if entry.function is quantity:
             return entry.name
-    name = name_of_function(quantity, _FUNCTIONS, _CATALOGUE)
-    if name in _FUNCTIONS and _FUNCTIONS[name].function is not quantity:
-        _forget_programs()
-    _FUNCTIONS[name] = OfMechanism(name, quantity)
+    name = name_of_function(quantity, _CATALOGUE)
+    _of_function(name)
     return name
+
+
+def quantity_names(quantities: Iterable[QuantityLike]) -> tuple[str, ...]:
+    """The names of several quantities in one call.
+
+    Those of different functions that have one name are numbered: `cost`, `cost_2`.
+
+    **Raises:** as `quantity_name`.
+    """
+    names = numbered(map(quantity_name, quantities), _CATALOGUE)
+    for name in names:
+        if isinstance(name, FunctionName):
+            _of_function(name)
+    return tuple(names)
+
+
+def _function_named(name: str) -> Callable[..., Any] | None:
+    """The function that was given last under a name, if it still exists."""
+    entry = _FUNCTIONS.get(name)
+    if entry is None or name in _CATALOGUE:
+        return None
+    return entry.function.reference() if isinstance(entry.function, OfMechanism) else None
+
+
+def _of_function(name: FunctionName) -> Quantity:
+    """The quantity that a function stands for, and from now on its name."""
+    words = (name.function.__doc__ or "").strip().partition("\n")[0]
+    text = str(name)
+    entry = Quantity(
+        text, text, "1", words or "function of the mechanism", of_mechanism(text, name.function)
+    )
+    _FUNCTIONS[text] = entry
+    return replace(entry, name=name)
 
 
 def _forget_programs() -> None:
@@ -131,10 +169,10 @@ def find_quantity(name: QuantityLike) -> Quantity:
     **Raises:** `UnknownNameError` with the nearest names.
     """
     name = quantity_name(name)
+    if isinstance(name, FunctionName):
+        return _of_function(name)
     if is_function(name):
-        function = _FUNCTIONS[name]
-        words = (function.function.__doc__ or "").strip().partition("\n")[0]
-        return Quantity(name, name, "1", words or "function of the mechanism", function)
+        return _FUNCTIONS[name]
     if name not in _CATALOGUE:
         raise UnknownNameError(f"unknown quantity {name!r}; {closest(name, _CATALOGUE)}")
     return _CATALOGUE[name]
@@ -145,6 +183,8 @@ def quantity_of(label: str) -> Quantity:
 
     **Raises:** `UnknownNameError` with the nearest names.
     """
+    if isinstance(label, FunctionName):
+        return find_quantity(label)
     return find_quantity(label.partition("[")[0])
 
 
@@ -156,12 +196,14 @@ def named_quantities(
     **Raises:** `ValueError` for a text in place of a list, and for an empty list;
     `UnknownNameError` for an unknown name.
     """
-    selected = tuple(dict.fromkeys(map(find_quantity, listed_names(names, argument))))
+    listed = quantity_names(listed_names(names, argument))
+    selected = tuple(dict.fromkeys(map(find_quantity, listed)))
     if not selected:
         raise ValueError(f"{argument} is empty; name at least one")
     return selected
 
 
+@of_designs
 def assumptions(mechanism: Mechanism, quantities: Iterable[str] | None = None) -> tuple[str, ...]:
     """Assumptions behind the numbers of a mechanism, such as equal load sharing, as sentences.
 
@@ -181,212 +223,8 @@ def assumptions(mechanism: Mechanism, quantities: Iterable[str] | None = None) -
     return sentences(mechanism, dict.fromkeys(declared))
 
 
-@of_one_design
-def compute(
-    mechanism: Mechanism,
-    quantities: Iterable[QuantityLike],
-    *,
-    speed: float | Scalar | None = None,
-    load: float | Scalar | None = None,
-) -> dict[str, Array]:
-    """Evaluate quantities by name, and only what they need.
-
-    Jittable, differentiable and vmappable over a batched mechanism.
-
-    **Arguments:**
-
-    - `mechanism`: the mechanism.
-    - `quantities`: names from the catalogue; a function of a mechanism that returns one number may
-      stand for a name, and its value has its own name.
-    - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
-
-    **Raises:** `UnknownNameError` for an unknown name; `MissingDataError`, naming the quantity,
-    where the mechanism lacks data for it.
-    """
-    return _computed(mechanism, quantities, speed, load)[0]
-
-
-@of_one_design
-def compute_checked(
-    mechanism: Mechanism,
-    quantities: Iterable[str],
-    *,
-    speed: float | Scalar | None = None,
-    load: float | Scalar | None = None,
-) -> tuple[dict[str, Array], Bool[Array, ""]]:
-    """As `compute`, and whether the values can be used.
-
-    The flag is false where the threads do not mesh, a contact force would be tensile, or a solver
-    found no solution, even if the values look plausible; and where a value is NaN or infinite. It
-    covers only what the quantities needed.
-    """
-    return _computed(mechanism, quantities, speed, load, _valid)
-
-
-@of_one_design
-def compute_coded(
-    mechanism: Mechanism,
-    quantities: Iterable[str],
-    *,
-    speed: float | Scalar | None = None,
-    load: float | Scalar | None = None,
-) -> tuple[dict[str, Array], Int[Array, ""]]:
-    """As `compute`, and why the values cannot be used: a code, whose reason is in `REASONS`.
-
-    The code is 0 where they can; a value that is not finite has its own code.
-    """
-    return _computed(mechanism, quantities, speed, load, _code)
-
-
-def _find_all(quantities: Iterable[QuantityLike]) -> tuple[Quantity, ...]:
-    # Programs are cached by quantity, not by name: a name may be redefined.
-    return tuple(dict.fromkeys(find_quantity(name) for name in quantities))
-
-
-def _computed(
-    mechanism: Mechanism,
-    quantities: Iterable[QuantityLike],
-    speed,
-    load,
-    verdict: Callable[..., Any] | None = None,
-) -> tuple[dict[str, Array], Any]:
-    """Values by name, in the requested order, and a verdict on the analysis and its values."""
-    selected = _find_all(quantities)
-    values, judged = _program(mechanism, selected, speed, load, verdict)
-    return {entry.name: value for entry, value in zip(selected, values, strict=True)}, judged
-
-
-@one_program
-def _program(
-    mechanism: Mechanism,
-    selected: tuple[Quantity, ...],
-    speed,
-    load,
-    verdict: Callable[..., Any] | None,
-):
-    analysis = Analysis(mechanism, speed, load)
-    values = _evaluated(analysis, selected)
-    # A tuple: a compiled program does not preserve the order of a dictionary.
-    return tuple(values.values()), None if verdict is None else verdict(analysis, values)
-
-
-def evaluate_checked(
-    analysis: Analysis, quantities: Iterable[str]
-) -> tuple[dict[str, Array], Bool[Array, ""]]:
-    """As `compute_checked`, for an analysis that computes more in the same program."""
-    values = evaluate(analysis, quantities)
-    return values, _valid(analysis, values)
-
-
-def _valid(analysis: Analysis, values: dict[str, Array]) -> Bool[Array, ""]:
-    return analysis.valid & _finite(values)
-
-
-def evaluate_coded(
-    analysis: Analysis, quantities: Iterable[str]
-) -> tuple[dict[str, Array], Int[Array, ""]]:
-    """As `compute_coded`, for an analysis that computes more in the same program."""
-    values = evaluate(analysis, quantities)
-    return values, _code(analysis, values)
-
-
-def _code(analysis: Analysis, values: dict[str, Array]) -> Int[Array, ""]:
-    code = code_of(analysis)
-    return jnp.where((code == 0) & ~_finite(values), REASONS.index("not_finite"), code)
-
-
-def _finite(values: dict[str, Array]) -> Bool[Array, ""]:
-    return jnp.stack([jnp.isfinite(value).all() for value in values.values()]).all()
-
-
-def evaluate(analysis: Analysis, quantities: Iterable[str]) -> dict[str, Array]:
-    """Evaluate quantities of an analysis that may compute more in the same program.
-
-    **Arguments:**
-
-    - `analysis`: analysis of the mechanism.
-    - `quantities`: names from the catalogue.
-
-    **Raises:** as `compute`.
-    """
-    return _evaluated(analysis, _find_all(quantities))
-
-
-def _evaluated(analysis: Analysis, selected: Iterable[Quantity]) -> dict[str, Array]:
-    values = {}
-    analysis.expect(load for entry in selected for load in entry.shares)
-    for entry in selected:
-        name = entry.name
-        try:
-            values[name] = entry.function(analysis)
-        except MissingDataError as error:
-            raise MissingDataError(f"quantity {name!r}: {error}") from error
-    return values
-
-
-@of_one_design
-def available_quantities(
-    mechanism: Mechanism,
-    among: Iterable[str] | None = None,
-    *,
-    speed: float | Scalar | None = None,
-    load: float | Scalar | None = None,
-) -> tuple[str, ...]:
-    """Names of the quantities that a mechanism has the data for (nothing is evaluated).
-
-    **Arguments:**
-
-    - `mechanism`: the mechanism.
-    - `among`: names to choose from; default the whole catalogue.
-    - `speed`, `load`: operating point that will be given [rad/s, N].
-
-    **Raises:** `UnknownNameError` for an unknown name in `among`.
-    """
-    candidates = tuple(find_quantity(name) for name in (_CATALOGUE if among is None else among))
-    names = tuple(candidate.name for candidate in candidates)
-    # Which data exist depends only on the structure; a trace takes seconds.
-    return stored_facts("available", _available, mechanism, speed, load, names, by=candidates)
-
-
-def _available(
-    mechanism: Mechanism, speed: Scalar | None, load: Scalar | None, among: tuple[str, ...]
-) -> tuple[str, ...]:
-    names: list[str] = []
-    candidates = [find_quantity(name) for name in among]
-
-    def try_all(mechanism: Mechanism, speed, load):
-        # One trace for all: quantities share their intermediate results.
-        analysis = Analysis(mechanism, speed, load)
-        for candidate in candidates:
-            try:
-                candidate.function(analysis)
-            except MissingDataError:
-                continue
-            names.append(candidate.name)
-
-    eqx.filter_eval_shape(try_all, mechanism, speed, load)
-    return tuple(names)
-
-
 def component_names(name: str, shape: tuple[int, ...]) -> list[str]:
     """Names of the numbers in a value: the quantity itself, or `name[1]`, `name[2]`, …"""
     if not shape:
         return [name]
     return [f"{name}[{','.join(str(i + 1) for i in index)}]" for index in np.ndindex(*shape)]
-
-
-__all__ = [
-    "Quantity",
-    "assumptions",
-    "available_quantities",
-    "catalogue",
-    "component_names",
-    "compute",
-    "compute_checked",
-    "compute_coded",
-    "evaluate",
-    "evaluate_checked",
-    "evaluate_coded",
-    "find_quantity",
-    "quantity",
-]

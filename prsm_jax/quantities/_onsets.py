@@ -53,3 +53,9 @@ def equal_pressure(analysis: Analysis, index: int, side: str) -> Scalar:
     if onset is None:
         return getattr(analysis.contacts[index], side).hertz.max_pressure
     return strength.truncated_pressure(onset, onset.pressure(analysis.load))
+
+
+def pressure_under(analysis: Analysis, index: int, side: str, load: Scalar) -> Scalar:
+    """As `equal_pressure`, under another axial load than that of the operating point [Pa]."""
+    hertz = getattr(analysis.reference_contact(index), side).hertz.max_pressure
+    return truncated_pressure(analysis, index, side, strength.pressure_at(hertz, load))

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Int
 
 from ..dynamics import STEADY_RESULTS
-from ..geometry import dimensions_possible, rollers_fit
+from ..geometry import axis_possible, dimensions_possible, rollers_fit
 from ._analysis import Analysis
 
 #: Reasons in the order of their codes; the last is for functions that check values.
@@ -41,4 +41,6 @@ def code_of(analysis: Analysis) -> Int[Array, ""]:
     fit = jnp.stack([rollers_fit(stage) for stage in stages]).all()
     code = jnp.where(fit, code, REASONS.index("overlapping_rollers"))
     possible = jnp.stack([dimensions_possible(stage) for stage in stages]).all()
+    if analysis.mechanism.axis is not None:
+        possible &= axis_possible(analysis.mechanism.axis, stages[0])
     return jnp.where(possible, code, REASONS.index("impossible_dimension"))

@@ -42,6 +42,7 @@ from .design_charts import (
     yield_chart as yield_chart,
 )
 from .document import (
+    MARGINS_IN_WORDS as MARGINS_IN_WORDS,
     Picture as Picture,
     Section as Section,
     Table as Table,

@@ -8,11 +8,18 @@ import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
 from .._errors import MissingDataError
-from ..fields import Scalar
+from ..fields import Scalar, listed_numbers
 from ..mechanism import Mechanism, of_one_design
 from ..programs import AbstractResult, one_program
 from ..vibration import Coordinate, SpringNetwork, spatial_harmonic_network, stage_spatial_system
-from ._dissipation import AnyDamping, AsGiven, Dissipation, dissipation, stage_damping
+from ._dissipation import (
+    AnyDamping,
+    AsGiven,
+    Dissipation,
+    checked_damping,
+    dissipation,
+    stage_damping,
+)
 from ._receptance import direct_response, magnitude
 
 
@@ -57,10 +64,9 @@ def _with_dashpot(
 
 
 @of_one_design
-@one_program
 def axis_compliance(
     mechanism: Mechanism,
-    frequency: Float[Array | np.ndarray, " frequencies"] | Sequence[float],
+    frequency: float | Float[Array | np.ndarray, " frequencies"] | Sequence[float],
     *,
     load: float | Scalar | None = None,
     damping: AnyDamping | AsGiven | None = "given",
@@ -79,20 +85,39 @@ def axis_compliance(
     **Arguments:**
 
     - `mechanism`: the mechanism, with an axis.
-    - `frequency`: frequencies of the force [Hz]. At 0 an axis that nothing holds has a pole.
+    - `frequency`: frequencies of the force, or one frequency [Hz]. At 0 an axis that nothing holds
+      has a pole.
     - `load`: axial load at which the contact stiffness is taken [N]; default that of the
       operating point.
     - `damping`: default that of the stage; or a law, or `None` for the controller's alone.
     - `sticking`, `tilt`: as in `spatial_modal`.
 
     **Raises:** `MissingDataError` if there is no axis or data are missing; `ValueError` for a stage
-    without symmetry.
+    without symmetry, a frequency that is not finite, or a number in place of a law of damping.
     """
     if mechanism.axis is None:
         raise MissingDataError("the mechanism has no axis around it; give [axis]")
+    hertz = listed_numbers("frequency", frequency, "frequencies", "Hz")
+    return _compliance(
+        mechanism, hertz, load, damping=checked_damping(damping), sticking=sticking, tilt=tilt
+    )
+
+
+@one_program
+def _compliance(
+    mechanism: Mechanism,
+    hertz: Float[Array, " frequencies"],
+    load: float | Scalar | None,
+    *,
+    damping: AnyDamping | AsGiven | None,
+    sticking: bool,
+    tilt: bool | None,
+) -> AxisCompliance:
+    assert mechanism.axis is not None
     system = stage_spatial_system(mechanism, 1, load, sticking=sticking, tilt=tilt)
     assert system.axis is not None
     network, axis = spatial_harmonic_network(system, 0), system.axis
+    hertz = hertz.astype(network.mass.dtype)
     moved = mechanism.stages[0].thread.family.held
     places = {"nut": Coordinate(moved, "z"), "load": Coordinate(axis.load, "z")}
     if axis.load == moved:
@@ -106,7 +131,6 @@ def axis_compliance(
             constant = controller.derivative_gain / axis.radius**2
             rotor = network.coordinates.index(places["motor"])
             losses = _with_dashpot(losses, network, rotor, constant)
-    hertz = jnp.asarray(frequency, network.mass.dtype)
     rows = {name: network.coordinates.index(one) for name, one in places.items()}
     kind = jnp.complex64 if network.mass.dtype == jnp.float32 else jnp.complex128
     columns = jnp.asarray(list(rows.values()))

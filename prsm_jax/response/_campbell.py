@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from ..fields import Scalar, plain
 from ..mechanism import Mechanism, of_one_design, stage_at
-from ..programs import each, mapped, physics
+from ..programs import each, mapped, one_program, physics
 from ..results import DesignResult
 from ..text import Line
 from ..vibration import RIGID_SHARE, Modes, stage_modes, stage_system
@@ -153,6 +153,7 @@ class Campbell(DesignResult):
 
 
 @of_one_design
+@one_program
 @physics("campbell")
 def campbell(
     mechanism: Mechanism,

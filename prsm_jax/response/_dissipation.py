@@ -1,11 +1,12 @@
 """Damping as matrices: the laws of a mechanism, dashpots at single springs, or any matrix."""
 
 from collections.abc import Mapping
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from .._errors import UnknownNameError, closest
@@ -115,6 +116,26 @@ def dissipation(network: SpringNetwork, damping: AnyDamping | None) -> Dissipati
                 f"of freedom, so give {(size, size)}"
             )
     return losses
+
+
+def checked_damping(damping: Any) -> Any:
+    """The damping of a call.
+
+    **Raises:** `ValueError` for a number or a text.
+    """
+    if isinstance(damping, str) and damping == "given":
+        return damping
+    if isinstance(damping, str) or (damping is not None and _is_number(damping)):
+        ratio = damping if isinstance(damping, float) else 0.02
+        raise ValueError(
+            f"damping is {damping!r}; give a law such as prsm_jax.mechanism.ModalDamping({ratio}), "
+            'a viscous damping matrix, None, or "given" for that of the stage'
+        )
+    return damping
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | complex | np.ndarray | jax.Array) and not np.ndim(value)
 
 
 def stage_damping(stage: Stage, damping: AnyDamping | AsGiven | None) -> AnyDamping | None:

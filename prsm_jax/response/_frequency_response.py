@@ -8,12 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..fields import In, Scalar
+from ..fields import In, Scalar, listed_numbers
 from ..mechanism import DampingLaw, Mechanism, of_one_design, stage_at
+from ..programs import one_program
 from ..results import DesignResult, lines_of
 from ..text import Line
 from ..vibration import VibrationSystem, spring_network, stage_system
-from ._dissipation import AnyDamping, AsGiven, stage_damping
+from ._dissipation import AnyDamping, AsGiven, checked_damping, stage_damping
 from ._receptance import Solver, infinite, magnitude, receptance_matrix
 
 #: Displacement, velocity or acceleration per force.
@@ -35,7 +36,7 @@ class FrequencyResponse(DesignResult):
 
     #: [Hz].
     frequency: Annotated[Float[Array, " frequencies"], In("Hz")]
-    #: In the unit of `kind`; infinite at a pole.
+    #: In the unit of `kind`; infinite at a pole, NaN at a frequency that is not a number.
     value: Complex[Array, " frequencies"]
     #: Whether the system is driven at a pole, where no steady amplitude exists.
     at_pole: Bool[Array, " frequencies"]
@@ -111,7 +112,7 @@ def frequency_response(
     mechanism: Mechanism,
     excitation: str,
     response: str,
-    frequency: Float[Array | np.ndarray, " frequencies"] | Sequence[float],
+    frequency: float | Float[Array | np.ndarray, " frequencies"] | Sequence[float],
     *,
     stage: int = 1,
     load: float | Scalar | None = None,
@@ -129,7 +130,7 @@ def frequency_response(
     - `excitation`, `response`: degrees of freedom, such as `"screw u"`, `"nut x"`, `"roller 3 u"`:
       x, y and `u = r θ` of screw, ring_gear and nut, u of each roller (also radial and tangential
       where rollers translate) and of the carrier.
-    - `frequency`: frequencies of the force [Hz].
+    - `frequency`: frequencies of the force, or one frequency [Hz].
     - `stage`: which stage, counted from 1.
     - `load`: axial load at which the contact stiffness is taken [N]; default that of the
       operating point.
@@ -138,14 +139,40 @@ def frequency_response(
     - `kind`: `"receptance"`, `"mobility"` or `"accelerance"`.
     - `method`: `"direct"` (any damping) or `"modal"` (a law of damping).
 
-    **Raises:** `ValueError` for an unknown name, kind or method, or damping that does not
-    fit; `MissingDataError` if the mechanism lacks data.
+    **Raises:** `ValueError` for an unknown name, kind or method, a frequency that is not finite, or
+    damping that does not fit; `MissingDataError` if the mechanism lacks data.
     """
     if kind not in KINDS:
         raise ValueError(f"kind is {kind!r}; choose one of {', '.join(KINDS)}")
+    return _response(
+        mechanism,
+        excitation,
+        response,
+        listed_numbers("frequency", frequency, "frequencies", "Hz"),
+        load,
+        stage=stage,
+        damping=checked_damping(damping),
+        kind=kind,
+        method=method,
+    )
+
+
+@one_program
+def _response(
+    mechanism: Mechanism,
+    excitation: str,
+    response: str,
+    hertz: Float[Array, " frequencies"],
+    load: float | Scalar | None,
+    *,
+    stage: int,
+    damping: AnyDamping | AsGiven | None,
+    kind: Kind,
+    method: Solver,
+) -> FrequencyResponse:
     system = stage_system(mechanism, stage, load)
     network = spring_network(system)
-    hertz = jnp.asarray(frequency, network.mass.dtype)
+    hertz = hertz.astype(network.mass.dtype)
     omega = 2 * jnp.pi * hertz
     chosen = stage_damping(stage_at(mechanism, stage), damping)
     receptances, at_pole = receptance_matrix(
@@ -155,7 +182,8 @@ def frequency_response(
     # A law of damping does not couple the families; any other matrix may.
     has_law = chosen is None or isinstance(chosen, DampingLaw)
     if has_law and apart_by_symmetry(system, excitation, response):
-        value, at_pole = jnp.zeros_like(value), jnp.zeros_like(at_pole)
+        # 0 at a number, NaN elsewhere.
+        value, at_pole = (0 * hertz).astype(value.dtype), jnp.zeros_like(at_pole)
     power = KINDS[kind][0]
     if power:
         factor = jnp.asarray(1j**power, value.dtype) * (omega**power).astype(value.dtype)

@@ -9,9 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..fields import In, Scalar
+from ..fields import In, Scalar, listed_numbers
 from ..mechanism import Mechanism, of_one_design, stage_at
-from ..programs import physics
+from ..programs import one_program, physics
 from ..results import DesignResult
 from ..vibration import (
     Coordinate,
@@ -21,7 +21,7 @@ from ..vibration import (
     spring_network,
     stage_system,
 )
-from ._dissipation import AnyDamping, AsGiven, stage_damping
+from ._dissipation import AnyDamping, AsGiven, checked_damping, stage_damping
 from ._orders import (
     ExcitationOrder,
     excitation_orders,
@@ -164,7 +164,7 @@ def excited_response(
 @of_one_design
 def mesh_response(
     mechanism: Mechanism,
-    speed: Float[Array | np.ndarray, " speeds"] | Sequence[float],
+    speed: float | Float[Array | np.ndarray, " speeds"] | Sequence[float],
     *,
     order: str = "ring_gear_mesh",
     harmonic: int = 1,
@@ -180,16 +180,44 @@ def mesh_response(
     **Arguments:**
 
     - `mechanism`: the mechanism; as for `modal`.
-    - `speed`: screw speeds [rad/s].
+    - `speed`: screw speeds, or one speed [rad/s].
     - `order`: name of the excitation, one of `excitation_orders`.
     - `harmonic`: which harmonic of it, from 1.
     - `amplitude`: transmission error along the line of action of each contact [m].
     - `stage`, `load`, `damping`, `method`: as `frequency_response`.
     - `carrier_ratio`: κ; default that of the steady state.
 
-    **Raises:** `ValueError` for an order that the stage does not have; `MissingDataError` if the
-    mechanism lacks data.
+    **Raises:** `ValueError` for an order that the stage does not have, or a speed that is not
+    finite; `MissingDataError` if the mechanism lacks data.
     """
+    return _response(
+        mechanism,
+        listed_numbers("speed", speed, "speeds", "rad/s"),
+        amplitude,
+        load,
+        carrier_ratio,
+        order=order,
+        harmonic=harmonic,
+        stage=stage,
+        damping=checked_damping(damping),
+        method=method,
+    )
+
+
+@one_program
+def _response(
+    mechanism: Mechanism,
+    speed: Float[Array, " speeds"],
+    amplitude: float | Scalar,
+    load: float | Scalar | None,
+    carrier_ratio: float | Scalar | None,
+    *,
+    order: str,
+    harmonic: int,
+    stage: int,
+    damping: AnyDamping | AsGiven | None,
+    method: Solver,
+) -> MeshResponse:
     chosen = stage_at(mechanism, stage)
     ratio = working_carrier_ratio(mechanism, stage) if carrier_ratio is None else carrier_ratio
     system = stage_system(mechanism, stage, load)
@@ -197,7 +225,7 @@ def mesh_response(
     return excited_response(
         system,
         find_order(excitation_orders(chosen, ratio), order),
-        jnp.asarray(speed, dtype),
+        speed.astype(dtype),
         jnp.asarray(amplitude, dtype),
         harmonic=harmonic,
         damping=stage_damping(chosen, damping),

@@ -88,7 +88,7 @@ def excitation_orders(
     | `roller_passing_nut` | N κ | rollers that pass a flaw of the nut |
     | `roller_passing_screw` | N (1 − κ) | rollers that pass a flaw of the screw |
     | `thread_passing` | n κ | threads that pass along the rollers, and the rollers' own spin |
-    | `ring_gear_mesh` | n z_R κ | teeth of the ring gear; only where their number is given |
+    | `ring_gear_mesh` | z_r κ | teeth of the ring gear, z_r = n z_R if not given; only with z_R |
 
     Thread passing is the same for screw, nut and roller: in the frame of the rollers all threads
     move along the axis by κ L per turn, which is n κ pitches. The n lobes that n starts cut into
@@ -141,7 +141,8 @@ def excitation_orders(
     if has_gear_teeth(stage):
         assert stage.gear is not None
         assert stage.gear.roller_teeth is not None
-        teeth = starts * stage.gear.roller_teeth
+        given = stage.gear.ring_teeth
+        teeth = starts * stage.gear.roller_teeth if given is None else given
         on_screw = family.gear_body == "screw"
         name = "screw_gear_mesh" if on_screw else "ring_gear_mesh"
         description = f"teeth of {'screw' if on_screw else 'ring gear'} and rollers"

@@ -87,6 +87,11 @@ def infinite(amplitude: Array, at_pole: Array) -> Array:
     return jnp.where(at_pole, marked, amplitude)
 
 
+def _undefined(amplitude: Array, none: Array) -> Array:
+    """NaN where a number of the equations is not finite."""
+    return jnp.where(none, jnp.full_like(amplitude, jnp.nan), amplitude)
+
+
 def magnitude(amplitude: Array) -> Array:
     """Absolute value; its derivative is 0 where the amplitude is 0."""
     moves = amplitude != 0
@@ -102,6 +107,8 @@ def direct_response(
     damping: AnyDamping | None = None,
 ) -> Harmonic:
     """Solve `(K + iH + iωC − ω²M) q = f` at every frequency, for any damping.
+
+    NaN where a frequency or a number of the network is not finite; this is no pole.
 
     One factorisation for each frequency, in coordinates scaled by √m, and one back substitution
     for each load. No modes are needed, so repeated roots need no special case, and derivatives use
@@ -127,9 +134,10 @@ def direct_response(
         factors = factorise(matrix)
         # The diagonal is a difference: even if small, it has the rounding error of ω² and of A.
         largest = jnp.max(jnp.abs(scaled.stiffness)) + w**2
-        # Not `<=`: NaN has no amplitude either.
-        at_pole = jnp.logical_not(factors.smallest_pivot > rounding * largest)
-        regular = jnp.where(at_pole, jnp.eye(size, dtype=kind), factors.matrix)
+        # Not a number: there is no amplitude, and no verdict of a pole.
+        none = ~jnp.isfinite(factors.smallest_pivot + largest)
+        at_pole = (factors.smallest_pivot <= rounding * largest) & ~none
+        regular = jnp.where(at_pole | none, jnp.eye(size, dtype=kind), factors.matrix)
         factors = Factors(regular, factors.order)
         right = scaled.weight[:, None].astype(load.dtype) * load
 
@@ -147,9 +155,8 @@ def direct_response(
             # Real factors: half the work, and exactly in phase or antiphase with the load.
             parts = solved(jnp.concatenate([right.real, right.imag], axis=1))
             displacement = jax.lax.complex(*jnp.split(parts, 2, axis=1))
-        return infinite(
-            scaled.weight[:, None].astype(displacement.dtype) * displacement, at_pole
-        ), at_pole
+        moved = scaled.weight[:, None].astype(displacement.dtype) * displacement
+        return infinite(_undefined(moved, none), at_pole), at_pole
 
     return Harmonic(*_each(at, omega, loads))
 
@@ -187,9 +194,11 @@ def modal_response(
         size = jnp.abs(elastic) + jnp.abs(lost)
         # Rounding errors of ω² and ω_k² are relative; for rigid motions relative to the largest.
         close = size <= rounding * (roots**2 + w**2) + rounding**2 * jnp.max(roots) ** 2
-        at_pole = jnp.any(close | jnp.isnan(size))
+        none = ~jnp.all(jnp.isfinite(size))
+        at_pole = jnp.any(close) & ~none
+        unusable = at_pole | none
         divisor = jax.lax.stop_gradient(
-            jax.lax.complex(jnp.where(at_pole, 1.0, elastic), jnp.where(at_pole, 0.0, lost))
+            jax.lax.complex(jnp.where(unusable, 1.0, elastic), jnp.where(unusable, 0.0, lost))
         )
         right = scaled.weight[:, None].astype(load.dtype) * load
         basis = vectors.astype(load.dtype)
@@ -200,9 +209,8 @@ def modal_response(
         displacement = jax.lax.custom_linear_solve(
             lambda x: scaled.apply(w, x), right, solve, symmetric=True
         )
-        return infinite(
-            scaled.weight[:, None].astype(displacement.dtype) * displacement, at_pole
-        ), at_pole
+        moved = scaled.weight[:, None].astype(displacement.dtype) * displacement
+        return infinite(_undefined(moved, none), at_pole), at_pole
 
     return Harmonic(*_each(at, omega, loads))
 

@@ -7,10 +7,11 @@ time alone and plain numbers are loads, too: `load_value` accepts them all.
 
 import inspect
 from collections.abc import Callable, Iterable
-from typing import ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, ArrayLike, DTypeLike, Float
 
 from ..fields import (
@@ -172,11 +173,54 @@ def depends_on_motion(load: ArrayLike | Callable[..., Scalar]) -> bool:
     return sum(p.default is p.empty and p.kind in positional for p in parameters) > 1
 
 
+def check_function(name: str, function: Any, *, of_motion: bool) -> None:
+    """Refuse a function that takes another number of arguments than a scenario gives it.
+
+    **Arguments:**
+
+    - `name`: what it is called in the message.
+    - `function`: a number, which passes, or a function.
+    - `of_motion`: whether it may be a function of the motion of the nut.
+
+    **Raises:** `ValueError`.
+    """
+    if isinstance(function, SumLoad):
+        for part in function.part:
+            check_function(name, part, of_motion=of_motion)
+        return
+    if not callable(function):
+        return
+    try:
+        signature = inspect.signature(function)
+    except ValueError:
+        return
+    load: Any = function
+    given = 4 if of_motion and depends_on_motion(load) else 1
+    try:
+        signature.bind(*[None] * given)
+    except TypeError:
+        motion = ", or 4 (time, position, speed and acceleration of the nut)" if of_motion else ""
+        words = ", ".join(signature.parameters) or "none"
+        raise ValueError(
+            f"{name} is a function with the arguments ({words}); it must take 1 (time){motion}"
+        ) from None
+
+
+def _number_at(value: ArrayLike, time: Scalar, what: str) -> Array:
+    """What a function of the user returned, which must be one number at each time."""
+    if np.ndim(value) > np.ndim(time):
+        raise ValueError(
+            f"the function for the {what} returns an array of shape {np.shape(value)}; it must "
+            "return one number at each time"
+        )
+    return jnp.asarray(value)
+
+
 def value_at(driven: Profile | Scalar | Callable[..., Scalar], time: Scalar) -> Scalar:
     """A number, or a function of time at a time [s]."""
     if not callable(driven):
         return driven
-    return jnp.asarray(with_batched_trigonometry(driven)(time))
+    return _number_at(with_batched_trigonometry(driven)(time), time, "speed or torque")
 
 
 def load_value(
@@ -194,9 +238,9 @@ def load_value(
     """
     if not callable(load):
         return jnp.asarray(load, time.dtype)
-    if depends_on_motion(load):
-        return jnp.asarray(with_batched_trigonometry(load)(time, *motion()), time.dtype)
-    return jnp.asarray(with_batched_trigonometry(load)(time), time.dtype)
+    arguments = (time, *motion()) if depends_on_motion(load) else (time,)
+    value = _number_at(with_batched_trigonometry(load)(*arguments), time, "load")
+    return jnp.asarray(value, time.dtype)
 
 
 def break_times_of(

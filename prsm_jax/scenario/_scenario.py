@@ -24,20 +24,25 @@ from ..fields import (
     driven,
     number,
 )
-from ._loads import DrivenLoad, break_times_of, load_value, value_at
+from ._loads import DrivenLoad, break_times_of, check_function, load_value, value_at
 from ._sequences import Driven
 
 
 def check_scenario(scenario: "Scenario | TorqueScenario") -> None:
-    """Refuse an invalid scenario; traced numbers and functions are not checked.
+    """Refuse an invalid scenario; traced numbers, and values of functions, are not checked.
 
     **Arguments:**
 
     - `scenario`: the scenario.
 
-    **Raises:** `ValueError` for a duration that is not above 0, and for NaN or infinite numbers.
+    **Raises:** `ValueError` for a duration that is not above 0, for NaN or infinite numbers, and
+    for a function with another number of arguments.
     """
     check_fields(scenario, to_come=False)
+    kind = type(scenario).__name__
+    drive = "speed" if isinstance(scenario, Scenario) else "torque"
+    check_function(f"{kind}: {drive}", getattr(scenario, drive), of_motion=False)
+    check_function(f"{kind}: load", scenario.load, of_motion=True)
 
 
 def _needs_motion():
@@ -94,14 +99,14 @@ class Scenario(Limited):
 
 
 class TorqueScenario(Limited):
-    """Prescribed torque at the first screw, and load on the last nut.
+    """Prescribed torque at the first screw, or the nut that turns, and load on the last nut.
 
     Static: `samples`, `most_phases`, and whether torque is a function.
     """
 
     to_come: ClassVar[bool] = False
-    #: Torque at the first screw: a number, or a pure function of time [N·m].
-    torque: Driven = driven("N·m", "torque at the first screw")
+    #: Torque at the body that turns: a number, or a pure function of time [N·m].
+    torque: Driven = driven("N·m", "torque at the body that turns")
     #: Load on the last nut [N]: a number, a function of time, or one of time, position, speed and
     #: acceleration of the nut, such as a `HingeLoad`.
     load: DrivenLoad = driven("N", "load on the last nut")

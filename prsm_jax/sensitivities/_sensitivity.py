@@ -20,7 +20,7 @@ from ..quantities import (
     by_friction,
     component_names,
     find_quantity,
-    quantity_name,
+    quantity_names,
 )
 from ._derivatives import Mode, jacobian
 from ._kinks import one_sided
@@ -161,7 +161,7 @@ def _quantity_names(mechanism: Mechanism, quantities, speed, load) -> tuple[str,
                 f"({', '.join(DEFAULT_QUANTITIES)}); name the quantities"
             )
         return names
-    names = tuple(quantity_name(one) for one in listed_names(quantities, "quantities"))
+    names = quantity_names(listed_names(quantities, "quantities"))
     if not names:
         raise ValueError("quantities is empty; name at least one")
     for name in names:

@@ -117,8 +117,10 @@ def stiffness_under_load(
     if given is not None:
         return given
     with _also_by_stiffness():
-        magnitude = jnp.abs(load())
-    return apart(_under_load, whole=True)(stage, magnitude, meshing, tangent)
+        value = load()
+    # The flanks of both directions differ in load sharing alone.
+    signed = value if stage.load_sharing is not None else jnp.abs(value)
+    return apart(_under_load, whole=True)(stage, signed, meshing, tangent)
 
 
 def _under_load(

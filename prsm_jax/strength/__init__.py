@@ -1,8 +1,10 @@
 """Strength and life of a stage: capacities, rating life, buckling, critical speed, play."""
 
 from ._contacts import (
+    is_preloaded as is_preloaded,
     preload_of as preload_of,
     reference_contact as reference_contact,
+    split_nut_of as split_nut_of,
     strength_of as strength_of,
 )
 from ._edges import (
@@ -42,6 +44,7 @@ from ._play import (
     lost_motion as lost_motion,
     needs_meshing_for_backlash as needs_meshing_for_backlash,
     preload_force as preload_force,
+    preloaded_load as preloaded_load,
     preloaded_stiffness as preloaded_stiffness,
     thins_teeth as thins_teeth,
 )
@@ -80,6 +83,7 @@ from ._truncation import (
     ThreadShares as ThreadShares,
     TruncatedFatigue as TruncatedFatigue,
     contact_truncation as contact_truncation,
+    pressure_at as pressure_at,
     side_onsets as side_onsets,
     truncated_pressure as truncated_pressure,
     truncation_load as truncation_load,

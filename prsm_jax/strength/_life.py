@@ -2,6 +2,7 @@
 
 from typing import Annotated
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -13,7 +14,7 @@ from ..results import Result
 from ._contacts import preload_of
 from ._fatigue import WEIBULL_SLOPE
 from ._load_spectrum import LoadSpectrum, mean_load
-from ._powers import ratio_or_infinity, scaled_unless_infinite
+from ._powers import positive_power, ratio_or_infinity, scaled_unless_infinite
 from ._preload import flank_loads
 from ._truncation import TruncatedFatigue
 
@@ -135,8 +136,14 @@ def damage(
 ) -> Float[Array, " phases"]:
     r"""Share of the basic rating life that each phase uses up (Palmgren 1924, Miner 1945).
 
-    $\varphi_i/2\pi\,(F_i/C_a)^3/10^6$ on the flank with the larger sum over the spectrum. The sum
-    is revolutions over $L_{10}$ if only one flank is loaded; 1 is the end of the life.
+    With the damage $D_{i\pm} = \varphi_i/2\pi\,(F_{i\pm}/C_a)^3/10^6$ of the flanks of either
+    direction and the lives of `rating_life`,
+    $D_i = D_{i+} (L/L_+)^{1/9} + D_{i-} (L/L_-)^{1/9}$. The sum over all phases is their
+    revolutions over the life L; 1 is the end of the life. If loads press only one flank, the factor
+    is 1.
+
+    The factor is derived here: L is homogeneous in the damages of both flanks, so by Euler's
+    theorem their derivatives divide it among the phases.
 
     **Arguments:**
 
@@ -148,8 +155,17 @@ def damage(
     """
     turns = spectrum.turned_angle / (2 * jnp.pi)
     capacity, loads = _by_flank(stage, capacity, spectrum, fatigue)
-    first, second = (turns * (load / capacity) ** 3 / 1e6 for load in loads)
-    difference = jnp.sum(first) - jnp.sum(second)
-    heavier = jnp.where(difference >= 0, first, second)
-    # A flank without load has a number also where the other one has none.
-    return jnp.where(jnp.isnan(difference), jnp.nan, heavier)
+    flanks = [turns * (load / capacity) ** 3 / 1e6 for load in loads]
+    sums = [jnp.sum(flank) for flank in flanks]
+    # The damages are divided by the larger sum before powers are taken: they may be tiny.
+    largest = jax.lax.stop_gradient(jnp.maximum(*sums))
+    loaded = above_or_nan(largest)
+    shares = [one / jnp.where(loaded, largest, 1.0) for one in sums]
+    # At least 1, for one of the shares is 1. NaN of one flank is NaN here.
+    powers = sum(positive_power(one, WEIBULL_SLOPE) for one in shares)
+    both = jnp.where(loaded, powers, 1.0) ** (1 - 1 / WEIBULL_SLOPE)
+    first, second = (
+        positive_power(share, WEIBULL_SLOPE - 1) / both * flank
+        for share, flank in zip(shares, flanks, strict=True)
+    )
+    return first + second

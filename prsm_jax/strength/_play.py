@@ -9,7 +9,7 @@ from ..geometry import Meshing, mesh
 from ..mechanism import AxialPlay, Stage
 from ..programs import physics
 from ._contacts import axial_approach, is_preloaded, preload_of, strength_of, thread_share
-from ._preload import preloaded_pair_stiffness, relative_displacement
+from ._preload import flank_loads, preloaded_pair_stiffness, relative_displacement
 
 
 def play_of(stage: Stage) -> AxialPlay:
@@ -133,6 +133,24 @@ def lost_motion(
     if contact is None:
         return backlash(stage, meshing) + 2 * axial_approach(stage, load, meshing)
     return backlash(stage, meshing) + 2 * axial_approach(stage, load, contact=contact)
+
+
+def preloaded_load(stage: Stage, load: Scalar) -> Scalar:
+    """Load of the more loaded of two preloaded nuts, its preload included [N].
+
+    Over the share of the engaged threads that carry it: half of them in a split nut, or those of
+    its smaller part. So it is the load that all engaged threads together would carry with the same
+    force on each of them.
+
+    **Arguments:**
+
+    - `stage`: the stage, with a preload.
+    - `load`: axial load; its sign is ignored [N].
+
+    **Raises:** `MissingDataError` if its nut is not preloaded.
+    """
+    loaded, _ = flank_loads(jnp.abs(load), preload_force(stage))
+    return loaded / thread_share(stage)
 
 
 def preloaded_stiffness(stage: Stage, load: Scalar, contact: StageContact | None = None) -> Scalar:

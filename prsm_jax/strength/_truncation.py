@@ -34,6 +34,17 @@ from ._powers import positive_power
 _MAXIMUM_STEPS = 32
 
 
+def pressure_at(reference: Scalar, load: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
+    """Hertz pressure under an axial load, if all threads share it equally [Pa].
+
+    **Arguments:**
+
+    - `reference`: pressure under `REFERENCE_LOAD` [Pa].
+    - `load`: not negative [N].
+    """
+    return reference * positive_power(load / REFERENCE_LOAD, 1 / 3)
+
+
 class SideOnset(eqx.Module):
     """One side of the rollers: where its ellipse reaches an end of a flank."""
 
@@ -43,7 +54,7 @@ class SideOnset(eqx.Module):
 
     def pressure(self, load: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
         """Hertz pressure under an axial load, if all threads share it equally [Pa]."""
-        return self.reference * positive_power(load / REFERENCE_LOAD, 1 / 3)
+        return pressure_at(self.reference, load)
 
     @property
     def onset_load(self) -> Scalar:

@@ -15,8 +15,31 @@ from ._variants import parts_of, variant_of
 
 _OPERATING_POINT = (
     "All designs of the study are at the operating point of the mechanism; nut_speed, "
-    "operating_points and tolerance_sigmas of [optimise] are not used."
+    "operating_points, tolerance_sigmas and avoid_warnings of [optimise] are not used."
 )
+
+#: Designs of a map, which are in memory at once.
+_MOST_DESIGNS = 100_000_000
+
+
+def _check_counts(points: int, front_points: int, starts: int | None, drivers: int) -> None:
+    """Refuse counts before anything is computed.
+
+    **Raises:** `ValueError` in one line.
+    """
+    if not (isinstance(points, int) and points >= 2):
+        raise ValueError(f"points is {points}; give a whole number of 2 or more")
+    if points**drivers > _MOST_DESIGNS:
+        raise ValueError(
+            f"points is {points}, which makes {points**drivers:.3g} designs of {drivers} drivers; "
+            f"give at most {int(_MOST_DESIGNS ** (1 / drivers) + 1e-6)}"
+        )
+    for name, value, least, most in (
+        ("front_points", front_points, 3, 1000),
+        ("starts", starts, 1, 10_000),
+    ):
+        if value is not None and not (isinstance(value, int) and least <= value <= most):
+            raise ValueError(f"{name} is {value}; give a whole number from {least} to {most}")
 
 
 @of_one_known_design
@@ -45,8 +68,8 @@ def study(
        each of its points.
     4. The front without parts of the physics, and its designs computed with complete physics.
 
-    The study refers to the mechanism's operating point; `nut_speed`, `operating_points` and
-    `tolerance_sigmas` of the design problem are not used.
+    The study refers to the mechanism's operating point; `nut_speed`, `operating_points`,
+    `tolerance_sigmas` and `avoid_warnings` of the design problem are not used.
 
     **Arguments:**
 
@@ -61,7 +84,7 @@ def study(
       two.
     - `limits`: constraints of the front; default those of the design problem. Errors of `check` are
       constraints, too.
-    - `points`: values of every driver in the map, 2 or more.
+    - `points`: values of every driver in the map, 2 or more; 100 million designs at most.
     - `front_points`: points of a front, as `points` of `pareto`.
     - `without`: parts of the physics that are left out, one at a time; names as in `explain`, or
       their ends, such as `spin`. Default those of spin, rolling hysteresis and load sharing that
@@ -77,12 +100,12 @@ def study(
     **Raises:** as `sweep` and `pareto`; `ValueError` for an invalid range, sense or number of
     points, and for quantities with components; `UnknownNameError` for an unknown name.
     """
-    if not (isinstance(points, int) and points >= 2):
-        raise ValueError(f"points is {points}; give a whole number of 2 or more")
     parts = parts_of(mechanism, without)
     problem = problem_of(mechanism, drivers, quantities, objectives, limits)
+    _check_counts(points, front_points, starts, len(problem.drivers))
     tell = progress or (lambda what, done, total: None)
     own = mechanism.design_problem
+    searches = (4 if own is None else own.starts) if starts is None else starts
 
     def find_front(one: Mechanism, its: StudyProblem, what: str = "front") -> ParetoFront:
         return pareto(
@@ -91,7 +114,7 @@ def study(
                 tuple(Variable(d.name, d.lower, d.upper) for d in its.drivers),
                 its.front_objectives,
                 its.limits,
-                starts=starts or (4 if own is None else own.starts),
+                starts=searches,
                 seed=0 if own is None else own.seed,
                 points=front_points,
             ),

@@ -56,6 +56,8 @@ class Page:
         self._told: tuple[Any, ...] = ()
         self._numbers: Numbers | None = None
         self._controls: dict[str, tuple[Any, Any]] = {}
+        #: The values that sliders and fields were last set to [SI].
+        self._placed: dict[str, float] = {}
         ui.add_head_html(f"<style>{STYLE}</style>{_OWN_KEYS}")
         _html(f"<h1>{html.escape(title)}</h1>")
         _html(
@@ -121,16 +123,17 @@ class Page:
             field.props(f'dense outlined input-class="field-{_plain(one.name)}"')
             field.props(f'aria-label="{label}"')
         self._controls[one.name] = slider, field
+        self._placed[one.name] = self._session.design[one.name]
 
         async def dragged(event: Any) -> None:
-            await self._do(lambda: self._session.move(one.name, event.args), held=slider)
+            await self._do(lambda: self._session.move(one.name, event.args), one, held=slider)
 
         async def released(event: Any) -> None:
-            await self._do(lambda: self._session.set(one.name, event.args), held=slider)
+            await self._do(lambda: self._session.set(one.name, event.args), one, held=slider)
 
         async def typed(_: Any) -> None:
             # An empty field is no number, and is refused as such.
-            await self._do(lambda: self._session.set(one.name, field.value or 0.0))
+            await self._do(lambda: self._session.set(one.name, field.value or 0.0), one)
 
         slider.on("update:model-value", dragged, throttle=_THROTTLE_S)
         slider.on("change", released)
@@ -208,25 +211,36 @@ class Page:
             "</a></p>"
         )
 
-    async def _do(self, action: Callable[[], Any], held: Any = None) -> None:
-        """Act on the session and show what follows, or why it cannot be done."""
+    async def _do(
+        self, action: Callable[[], Any], moved: StudioVariable | None = None, held: Any = None
+    ) -> None:
+        """Act on the session, on a variable that is moved, and show what follows, or why not."""
+        if moved is not None:
+            # Set anew whatever becomes of it: a refused number must not stay in its field.
+            self._placed.pop(moved.name, None)
         try:
             action()
         except (PrsmError, ValueError, OSError) as error:
             self._error.content = f"<p>{html.escape(str(error))}</p>"
-            self._set_controls(None)
+            self._set_controls()
             return
         self._error.content = ""
         await self._show(held)
 
-    def _set_controls(self, held: Any) -> None:
-        """Sliders and fields at the present values, but for a slider that is held."""
+    def _set_controls(self, held: Any = None) -> None:
+        """Sliders and fields at the present values, but for a slider that is held.
+
+        Those of a value that stays are left alone: a number may be half typed.
+        """
         for one in self._session.variables:
-            value = one.shown(self._session.design[one.name])
+            design = self._session.design[one.name]
+            if self._placed.get(one.name) == design:
+                continue
+            self._placed[one.name] = design
             slider, field = self._controls[one.name]
-            field.value = value
+            field.value = one.shown(design)
             if slider is not held:
-                slider.value = value
+                slider.value = one.shown(design)
         problem = self._session.original.design_problem
         job = self._session.improvement
         self._undo.set_enabled(self._session.can_undo)
@@ -280,7 +294,7 @@ class Page:
                 self._way.content = improvement_html(
                     job, self._session.variables, *self._objective()
                 )
-                self._set_controls(None)
+                self._set_controls()
         if self._seen != self._session.version and not self._busy:
             await self._show()
 

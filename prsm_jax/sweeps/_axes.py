@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..fields import refuse_complex
 from ..mechanism import (
     Mechanism,
     Parameter,
@@ -65,6 +66,7 @@ def axes_of(
 
 
 def _values(name: str, values, static: bool) -> np.ndarray:
+    refuse_complex(f"axis {name!r}", values)
     try:
         array = np.asarray(values, dtype=float)
     except (TypeError, ValueError) as error:

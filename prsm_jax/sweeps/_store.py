@@ -20,7 +20,7 @@ import numpy as np
 from .._errors import missing_extra
 from ..process import real_path, temporary_folder
 from ._checked_chunks import checked_store
-from ._labels import Variable
+from ._labels import Variable, derivative_name
 from ._plan import Blocks
 
 if TYPE_CHECKING:
@@ -263,10 +263,32 @@ def open_store(store: str | os.PathLike[str]) -> "xarray.Dataset":
         raise ValueError(f"store {path} does not exist; run the sweep that writes it")
     try:
         checked = checked_store(path, _chunk_sizes(path))
-        return xarray.open_zarr(checked, consolidated=False, chunks=None, zarr_format=3)
+        data = xarray.open_zarr(checked, consolidated=False, chunks=None, zarr_format=3)
+        return _in_order(data, stored_identity(path) or {})
     except (ArithmeticError, LookupError, OSError, TypeError, ValueError) as error:
         words = f"store {path} was not written by a sweep, or is damaged: {error}; run it again"
         raise ValueError(words) from error
+
+
+def _in_order(data: "xarray.Dataset", identity: Mapping[str, Any]) -> "xarray.Dataset":
+    """The data set with axes, quantities and codes in the order of a sweep in memory.
+
+    A folder lists the arrays in an order of its own.
+    """
+
+    def named(key: str) -> list[str]:
+        names = identity.get(key)
+        return list(map(str, names)) if isinstance(names, list | dict) else []
+
+    quantities, gradients = named("quantities"), named("gradients")
+    derived = [derivative_name(name, by) for name in quantities for by in gradients]
+    axes = [name for name in named("axes") if name in data.coords]
+    variables = [*quantities, *derived, "failed", "code", "error"]
+    variables = [name for name in variables if name in data.data_vars]
+    bare = data.drop_vars(list(data.variables))
+    return bare.assign_coords(
+        {name: data[name].variable for name in dict.fromkeys([*axes, *data.coords])}
+    ).assign({name: data[name].variable for name in dict.fromkeys([*variables, *data.data_vars])})
 
 
 def _chunk_sizes(path: Path) -> dict[str, int]:

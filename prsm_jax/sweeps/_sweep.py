@@ -20,7 +20,7 @@ from .._version import __version__
 from ..fields import Scalar
 from ..mechanism import Mechanism, find_parameters, of_one_known_design
 from ..process import placing_in, put_folder, real_path, temporary_folder
-from ..quantities import QuantityLike, find_quantity, is_function, quantity_name
+from ..quantities import QuantityLike, find_quantity, is_function, quantity_names
 from ._labels import empty_dataset
 from ._plan import PlanName, blocks_of, plan_of
 from ._run import Job, run_blocks
@@ -121,7 +121,7 @@ def sweep(
         import xarray  # noqa: F401
     except ImportError as error:
         raise missing_extra("sweep", "a sweep", error) from error
-    names = tuple(map(quantity_name, _names("quantities", quantities)))
+    names = quantity_names(_names("quantities", quantities))
     own = [name for name in names if is_function(name)]
     if own and (store is not None or executor is not None):
         raise ValueError(

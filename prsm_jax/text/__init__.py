@@ -1,5 +1,6 @@
 """Numbers in an engineer's units, plain text, and tables of text."""
 
+from ._csv_text import comma_in_number as comma_in_number, csv_cells as csv_cells
 from ._display_units import (
     MINUS as MINUS,
     UNIT_LABELS as UNIT_LABELS,

@@ -70,9 +70,12 @@ _WORTH = {
     "m/s": 1.0,
 }
 _PERCENT = DisplayUnit("%", 100.0)
+_TURNS = DisplayUnit("turns", 1.0)
+#: Quantities that count revolutions: lives.
+_COUNT_TURNS = ("rating_life", "modified_rating_life")
 #: Labels of all units that follow a number in text.
 UNIT_LABELS = frozenset(
-    {one.label for units in _SHOWN.values() for one in units if one.label} | {_PERCENT.label}
+    {one.label for units in (*_SHOWN.values(), (_PERCENT, _TURNS)) for one in units if one.label}
 )
 
 
@@ -102,15 +105,19 @@ def display_unit(
 
     - `unit`: SI unit as in the catalogue of quantities; an unknown one is shown as it is.
     - `values`: the numbers to be shown together; the largest decides between mm and µm.
-    - `quantity`: name of the quantity, if any: efficiencies are shown in per cent.
+    - `quantity`: name of the quantity, if any: efficiencies are shown in per cent, and lives as a
+      number of `turns`.
     """
     if unit == "1" and is_efficiency(quantity):
         return _PERCENT
+    if unit == "1" and quantity.partition("[")[0] in _COUNT_TURNS:
+        return _TURNS
     choices = _SHOWN.get(unit, (DisplayUnit(unit, 1.0),))
     numbers = [values] if isinstance(values, int | float) else list(values)
     largest = max((abs(float(v)) for v in numbers if math.isfinite(v)), default=math.inf)
     if largest == 0:
-        return choices[:2][-1]
+        # The SI unit itself, unless it is too large for the usual numbers, as a metre is.
+        return next((c for c in choices[:2] if c.per_si == 1), choices[:2][-1])
     fitting = [c for c in choices if c(largest) >= _WORTH.get(c.label, 0.0)]
     return fitting[-1] if fitting else choices[0]
 

@@ -8,6 +8,9 @@ from ._sampling import standard_error
 
 #: Probabilities of the quantiles: the outer ones are those of ±3 standard deviations.
 PROBABILITIES = (0.00135, 0.05, 0.5, 0.95, 0.99865)
+#: Standard deviation over the mean below which a scatter is rounding: some thousand units of the
+#: last digit, far below any tolerance.
+ROUNDING = 1e-12
 
 
 @dataclasses.dataclass(frozen=True)
@@ -29,24 +32,56 @@ class Estimate:
     yield_error: float | None = None
     contribution_errors: tuple[float, ...] = ()
 
+    @property
+    def scatters(self) -> bool:
+        """Whether there is a scatter, and not only rounding of one and the same number."""
+        return _above_rounding(self.standard_deviation, self.mean)
+
+
+def _above_rounding(deviation: float, mean: float) -> bool:
+    return deviation > ROUNDING * abs(mean)
+
 
 def _shares(parts: np.ndarray, variance: float) -> tuple[float, ...]:
     whole = variance if variance > 0 else 1.0
     return tuple((parts / whole).tolist())
 
 
-def first_order(value: float, slopes: np.ndarray, limits: tuple[float, float] | None) -> Estimate:
-    r"""A normal distribution about the value, with the variance $\sum_i (g_i \sigma_i)^2$.
+def first_order(
+    value: float,
+    slopes: np.ndarray,
+    normal: np.ndarray,
+    deviations: np.ndarray,
+    limits: tuple[float, float] | None,
+) -> Estimate:
+    r"""The linear expansion about the value, with the variance $\sum_i (g_i \sigma_i)^2$.
+
+    Its distribution is normal if each tolerance that changes the quantity is. Otherwise quantiles
+    and yield are those of its samples: a uniform zone has no tails.
 
     **Arguments:**
 
     - `value`: at the middle of all tolerances.
     - `slopes`: derivative by each standardised deviation, $g_i \sigma_i$.
+    - `normal`: whether the distribution of each tolerance is normal.
+    - `deviations`: scramblings × points × tolerances, where quantiles and yield are sampled.
     - `limits`: lower and upper limit, or `None`.
     """
+    variance = float(slopes @ slopes)
+    if (normal | (slopes == 0)).all():
+        return _normal(value, variance, _shares(slopes**2, variance), limits)
+    sampled = monte_carlo(value + deviations @ slopes, deviations, limits)
+    return _with_moments(sampled, value, variance, _shares(slopes**2, variance))
+
+
+def _normal(
+    value: float,
+    variance: float,
+    contributions: tuple[float, ...],
+    limits: tuple[float, float] | None,
+) -> Estimate:
     from scipy.special import ndtr, ndtri
 
-    variance = float(slopes @ slopes)
     deviation = variance**0.5
     quantiles = value + deviation * ndtri(np.array(PROBABILITIES))
     share = None
@@ -57,8 +92,21 @@ def first_order(value: float, slopes: np.ndarray, limits: tuple[float, float] | 
             share = float(ndtr(above) - ndtr(below))
         else:
             share = float(low <= value <= high)
-    return Estimate(
-        value, deviation, tuple(quantiles.tolist()), share, _shares(slopes**2, variance)
+    return Estimate(value, deviation, tuple(quantiles.tolist()), share, contributions)
+
+
+def _with_moments(
+    sampled: Estimate, mean: float, variance: float, contributions: tuple[float, ...]
+) -> Estimate:
+    """Quantiles and yield of samples, with moments and contributions in closed form."""
+    return dataclasses.replace(
+        sampled,
+        mean=mean,
+        standard_deviation=variance**0.5,
+        contributions=contributions,
+        mean_error=0.0,
+        standard_deviation_error=0.0,
+        contribution_errors=(),
     )
 
 
@@ -78,10 +126,9 @@ def second_order(
 
     **Arguments:**
 
-    - `value`, `slopes`, `limits`: as for `first_order`.
+    - `value`, `slopes`, `deviations`, `limits`: as for `first_order`.
     - `curvatures`: second derivatives by the standardised deviations, tolerances × tolerances.
     - `kurtosis`: of each tolerance.
-    - `deviations`: scramblings × points × tolerances, where quantiles and yield are sampled.
     """
     own = np.diag(curvatures)
     single = slopes**2 + 0.25 * own**2 * (kurtosis - 1)
@@ -89,15 +136,8 @@ def second_order(
     variance = float(np.sum(single) + together)
     values = quadratic(value, slopes, curvatures, deviations)
     sampled = monte_carlo(values, deviations, limits)
-    return dataclasses.replace(
-        sampled,
-        mean=value + 0.5 * float(np.sum(own)),
-        standard_deviation=variance**0.5,
-        contributions=_shares(single, variance),
-        mean_error=0.0,
-        standard_deviation_error=0.0,
-        contribution_errors=(),
-    )
+    mean = value + 0.5 * float(np.sum(own))
+    return _with_moments(sampled, mean, variance, _shares(single, variance))
 
 
 def quadratic(
@@ -131,7 +171,7 @@ def _contributions(values: np.ndarray, deviations: np.ndarray) -> np.ndarray:
         return np.full(count, np.nan)
     columns = np.concatenate([np.ones((len(z), 1)), z, z**2 - 1], axis=1)
     centre, spread = np.mean(values[good]), np.std(values[good])
-    if not spread > 1e-14 * abs(centre):
+    if not _above_rounding(float(spread), float(centre)):
         return np.zeros(count)
     standardised = (values[good] - centre) / spread
     fit = np.linalg.lstsq(columns, standardised, rcond=None)[0]

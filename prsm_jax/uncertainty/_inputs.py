@@ -47,6 +47,11 @@ class Inputs:
         """Kurtosis of each tolerance's distribution."""
         return np.array([one.kurtosis for one in self.tolerances])
 
+    @property
+    def normal(self) -> np.ndarray:
+        """Whether each tolerance's distribution is normal."""
+        return np.array([one.distribution == "normal" for one in self.tolerances])
+
     def standardised(self, uniform: np.ndarray) -> np.ndarray:
         """Standardised deviations of points of the unit cube (… × tolerances)."""
         from scipy.special import ndtri

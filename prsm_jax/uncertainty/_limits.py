@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..mechanism import DesignProblem
-from ..quantities import quantity_name
+from ..quantities import quantity_names
 
 Limits = dict[str, tuple[float, float]]
 
@@ -22,8 +22,7 @@ def limits_of(problem: DesignProblem | None, given: Mapping[Any, Any] | None) ->
     for one in () if problem is None else problem.constraints:
         if one.equal is None:
             limits[one.quantity] = _pair(one.quantity, (one.lower, one.upper))
-    for quantity, pair in (given or {}).items():
-        name = quantity_name(quantity)
+    for name, pair in zip(quantity_names(given or ()), (given or {}).values(), strict=True):
         limits[name] = _pair(name, pair)
     return limits
 

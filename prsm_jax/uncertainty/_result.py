@@ -9,7 +9,7 @@ import numpy as np
 from ..mechanism import Tolerance
 from ..results import Shown
 from ..text import TextTable, display_unit
-from ._estimates import PROBABILITIES, Estimate
+from ._estimates import PROBABILITIES, ROUNDING, Estimate
 from ._zone_ends import ZoneEnds
 
 METHOD_WORDS = {
@@ -183,14 +183,16 @@ class ToleranceAnalysis(Shown):
                 estimate = one.estimates[name]
                 quantiles = [f"{float(shown(q)):.5g}" for q in estimate.quantiles]
                 scale = float(shown.per_si)
+                # Rounding is not shown as a scatter, nor as a standard error.
+                size = scale if estimate.scatters or math.isnan(estimate.mean) else 0.0
                 rows.append(
                     (
                         label,
                         METHOD_WORDS[method],
-                        _number(float(shown(estimate.mean)), scale * estimate.mean_error),
+                        _number(float(shown(estimate.mean)), size * estimate.mean_error),
                         _number(
-                            scale * estimate.standard_deviation,
-                            scale * estimate.standard_deviation_error,
+                            size * estimate.standard_deviation,
+                            size * estimate.standard_deviation_error,
                         ),
                         *quantiles,
                         _percent(estimate.yield_share, estimate.yield_error),
@@ -230,10 +232,12 @@ def agreement(one: Estimate, best: Estimate) -> str:
     """Differences from the most accurate method in words.
 
     The mean differs by a number of standard deviations, the standard deviation by a percentage.
+    Where neither has a scatter beyond rounding, equal means are `equal`.
     """
     spread = best.standard_deviation
-    if not spread > 0:
-        return "equal" if one.standard_deviation == spread and one.mean == best.mean else "–"
+    if not best.scatters:
+        same = math.isclose(one.mean, best.mean, rel_tol=ROUNDING)
+        return "equal" if same and not one.scatters else "–"
     shift = (one.mean - best.mean) / spread
     ratio = one.standard_deviation / spread - 1
     return f"mean {shift:+.3f} σ, σ {100 * ratio:+.2f} %"

@@ -70,8 +70,8 @@ def tolerance(
       limits are added.
     - `limits`: (lower, upper) [SI] by the name of a quantity, `None` for no limit. They replace
       the limits of the same quantity in the mechanism's design problem; its others still hold.
-    - `method`: `"first_order"` (normal distribution from gradients), `"second_order"` (with all
-      second derivatives), `"monte_carlo"` (scrambled Sobol points), or `"all"`.
+    - `method`: `"first_order"` (from gradients), `"second_order"` (with all second derivatives),
+      `"monte_carlo"` (scrambled Sobol points), or `"all"`.
     - `samples`: designs of Monte Carlo, rounded up to 8 scramblings of a power of 2.
     - `seed`: of the scramblings.
     - `tolerances`: the tolerances; default those of the mechanism.
@@ -120,7 +120,13 @@ def _selected(mechanism, quantities, bounds: Limits, speed, load) -> tuple[Quant
     names += [quantity_of(label).name for label in bounds]
     if not names:
         names = list(available_quantities(mechanism, DEFAULT_QUANTITIES, speed=speed, load=load))
-    return named_quantities(names)
+    selected = named_quantities(names)
+    for label in bounds:
+        if quantity_of(label) not in selected:
+            raise ValueError(
+                f"quantities and limits have two functions of the name {label}; rename one of them"
+            )
+    return selected
 
 
 def limit_of(label: str, bounds: Limits) -> tuple[float, float] | None:
@@ -175,7 +181,9 @@ def _propagated(
         for label, value in values.items():
             limit, curved = limit_of(label, bounds), np.zeros((len(inputs.tolerances),) * 2)
             if order == "first_order":
-                estimates[label] = first_order(float(value), slopes[label], limit)
+                estimates[label] = first_order(
+                    float(value), slopes[label], inputs.normal, deviations, limit
+                )
             else:
                 curved = curvatures[label]
                 estimates[label] = second_order(

@@ -2,6 +2,7 @@
 
 import json
 import re
+from typing import Any
 
 import hypothesis
 import hypothesis.strategies as st
@@ -16,6 +17,7 @@ import prsm_jax as prsm
 from prsm_jax.calibration import Measurements, calibrate, calibration_problem
 from prsm_jax.calibration._bounds import from_free, to_free
 from prsm_jax.calibration._losses import LOSSES, as_squares, influence
+from prsm_jax.calibration._optimum import near_optimum
 
 
 def _line(noise=0.05, seed=0, screw=1.5, nut=2.5, rows=12):
@@ -149,6 +151,35 @@ def test_a_parameter_without_influence_is_named():
     assert fit.parameters[0].value == pytest.approx(closed.parameters[0].value, rel=1e-7)
 
 
+@pytest.mark.parametrize("loss", ["squared", "huber"])
+def test_a_parameter_without_influence_takes_no_degree_of_freedom(loss):
+    """The limits are those of a line through 4 points with 2 degrees of freedom."""
+    data = _line(rows=4)
+    fit = calibrate(plain(), data, [SCREW, NUT, "stage.roller.mass"], loss=loss)
+    closed = calibrate(plain(), data, [SCREW, NUT], loss=loss)
+    assert fit.degrees_of_freedom == 2
+    for one, other in zip(fit.parameters[:2], closed.parameters, strict=True):
+        assert (one.lower, one.upper) == pytest.approx((other.lower, other.upper), rel=1e-6)
+    if loss == "squared":
+        line: Any = scipy.stats.linregress(data[LOAD] / 1e3, data["own_straight"])
+        away = scipy.stats.t.ppf(0.975, 2) * line.stderr
+        limits = (line.slope - away, line.slope + away)
+        assert (fit.parameters[0].lower, fit.parameters[0].upper) == pytest.approx(limits, rel=1e-6)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-17])
+def test_a_column_of_rounding_errors_is_no_direction_of_a_fit(noise):
+    """A line through points at its optimum, beside a number without influence."""
+    rng = np.random.default_rng(3)
+    line, values = rng.normal(size=(2, 12))
+    residuals = values - line * (line @ values) / (line @ line)
+    columns = np.stack([line, noise * rng.normal(size=12)], axis=1)
+    still, moved = (residuals, residuals + 1e-3 * line)
+    exact = jnp.asarray(0.0)
+    assert bool(near_optimum(jnp.asarray(still), jnp.asarray(columns), exact))
+    assert not bool(near_optimum(jnp.asarray(moved), jnp.asarray(columns), exact))
+
+
 def test_a_large_scatter_leaves_a_parameter_open_up_to_the_limit():
     data = _line(noise=4.0)
     fit = calibrate(plain(), data, [SCREW, NUT], undetermined_limit=0.2)
@@ -177,10 +208,19 @@ def test_a_start_that_cannot_be_computed_has_a_code():
         ({"parameters": [LOAD]}, "is a condition of the data and a fitted parameter"),
         ({"loss": "l2"}, "loss is 'l2'; choose one of squared, huber"),
         ({"bounds": {NUT: (0, 1), "lead": (0, 1)}}, "bounds of 'lead', which is not fitted"),
-        ({"bounds": {NUT: (2.0, 1.0)}}, "reverse them"),
+        ({"bounds": {NUT: (2.0, 1.0)}}, "has the bounds (2, 1) kg; reverse them"),
+        ({"bounds": {NUT: (1.0, 1.0)}}, "(1, 1) kg; the upper one must be above the lower one"),
         ({"bounds": {NUT: (-2.0, 1.0)}}, "it must be more than 0"),
         ({"bounds": {NUT: 1.0}}, "give (lower, upper)"),
         ({"standard_deviations": {"own_straight": 0.0}}, "it must be positive"),
+        (
+            {"standard_deviations": {"own_straight": np.array([0.1, 0.1, 1.0])}},
+            "standard deviation of 'own_straight' is array([0.1, 0.1, 1. ]); give one number per "
+            "column",
+        ),
+        ({"standard_deviations": {"own_straight": 1j}}, "is 1j; give one number per column"),
+        ({"data": _line() | {"own_straight": np.full(12, 1 + 1j)}}, "is complex: (1+1j)"),
+        ({"data": _line() | {LOAD: np.full(12, 1 + 1j)}}, f"{LOAD!r} is complex: (1+1j)"),
         ({"standard_deviations": {"efficiency": 0.1}}, "which is not in the data"),
         ({"undetermined_limit": 0.0}, "it must be positive"),
         ({"data": _line(rows=2)}, "2 measured values for 2 parameters"),
@@ -192,7 +232,7 @@ def test_a_start_that_cannot_be_computed_has_a_code():
         ({"data": {"roller_count": [7.0] * 3, "efficiency": [0.4] * 3}}, "whole number"),
     ],
 )
-def test_wrong_arguments_are_refused(arguments, message):
+def test_wrong_arguments_are_refused(unchecked, arguments, message):
     usual = {"data": _line(), "parameters": [SCREW, NUT]}
     with pytest.raises(ValueError, match=re.escape(message)):
         calibrate(plain(), **(usual | arguments))

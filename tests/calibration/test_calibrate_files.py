@@ -7,7 +7,7 @@ import pytest
 from calibration_scenes import plain
 
 from prsm_jax import FileError, load
-from prsm_jax.calibration import example_data_names, read_measurements
+from prsm_jax.calibration import Measurements, example_data_names, read_measurements
 
 GOOD = """# a comment
 operating_point.speed [rpm], operating_point.load [kN],drive_torque [N m],efficiency
@@ -39,6 +39,26 @@ def test_semicolons_and_the_mark_of_windows_editors(tmp_path):
     assert _read(tmp_path, text).values.keys() == {"drive_torque", "efficiency"}
 
 
+def test_a_measured_efficiency_may_scatter_about_its_limits(tmp_path):
+    """Without these points a fit near them would be biased."""
+    text = GOOD.replace("0.81", "1.02").replace("0.8", "-0.01")
+    assert np.array_equal(_read(tmp_path, text).values["efficiency"], [-0.01, 1.02])
+
+
+def test_an_efficiency_in_per_cent(tmp_path):
+    text = GOOD.replace("efficiency", "efficiency [%]").replace("0.81", "81").replace("0.8", "80")
+    assert np.array_equal(_read(tmp_path, text).values["efficiency"], [0.8, 0.81])
+
+
+@pytest.mark.parametrize("cut", [",", ";"])
+def test_empty_rows_of_a_spreadsheet_are_skipped(tmp_path, cut):
+    text = f"{GOOD},,,\n , ,,\n".replace(",", cut)
+    assert _read(tmp_path, text).rows == 2
+    # The rows after them keep the numbers of their lines.
+    with pytest.raises(FileError, match="row 8, column drive_torque: 'x'"):
+        _read(tmp_path, f"{text}1000,2.5,x,0.8".replace(",", cut))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -53,6 +73,14 @@ def test_semicolons_and_the_mark_of_windows_editors(tmp_path):
         (",0.81", "", "row 5 has 3 cells and the header 4"),
         ("efficiency", "drive_torque [N m]", "column drive_torque is there twice"),
         ("efficiency", "roller_count", "column roller_count: is a whole number"),
+        (
+            ",0.81",
+            ",81",
+            "row 5, column efficiency: 81: an efficiency is a number from 0 to 1; write 0.81, or "
+            "head the column `efficiency [%]`",
+        ),
+        (",0.81", ",-0.2", "row 5, column efficiency: -0.2: an efficiency is a number from 0 to 1"),
+        ("efficiency", "drive_torque [%]", "unit '%': wrong unit: a plain number where a torque"),
         ("efficiency", "efficiency (%)", "must be `name [unit]`"),
         ("drive_torque [N m],efficiency", "lead [mm],pitch [mm]", "no column is a quantity"),
     ],
@@ -64,6 +92,31 @@ def test_errors_name_row_column_value_and_remedy(tmp_path, old, new, message):
     assert message in str(caught.value)
     assert "data.csv" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("cell", "words"),
+    [
+        ("1,9765", "decimal comma; write 1.9765"),
+        ("-1,5e-3", "decimal comma; write -1.5e-3"),
+        ("1.234,5", "decimal comma; write 1234.5"),
+        ("1,234.5", "comma between digits; write 1234.5"),
+        ("1,500", "decimal comma; write 1.500, or 1500 if the comma separates thousands"),
+    ],
+)
+def test_a_decimal_comma_is_said(tmp_path, cell, words):
+    text = GOOD.replace(",", ";").replace("4.0", cell)
+    with pytest.raises(FileError) as caught:
+        _read(tmp_path, text)
+    assert str(caught.value).endswith(f"row 4, column drive_torque: {cell!r}: {words}")
+
+
+def test_an_efficiency_above_1_is_refused_in_per_cent_and_in_python(tmp_path):
+    text = GOOD.replace("efficiency", "efficiency [%]").replace("0.81", "120")
+    with pytest.raises(FileError, match="120 %: an efficiency lies between 0 and 100 %"):
+        _read(tmp_path, text)
+    with pytest.raises(ValueError, match="measured 'efficiency' is 85 in row 2; an efficiency is"):
+        Measurements({"efficiency": [np.nan, 85.0]})
 
 
 def test_other_files_are_refused(tmp_path):

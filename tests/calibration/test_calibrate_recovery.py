@@ -22,10 +22,12 @@ from sharing_scenes import sharing_stage
 import prsm_jax as prsm
 from prsm_jax.calibration import (
     Measurements,
+    Repetitions,
     calibrate,
     calibration_problem,
     repeat_fits,
 )
+from prsm_jax.calibration._losses import LOSSES, influence
 from prsm_jax.calibration._problem import solve_one
 from tests.calibration import example_data
 
@@ -106,6 +108,43 @@ def test_limits_of_a_curve_from_torques_contain_the_truth():
     assert found.standard_deviations.mean(axis=0) == pytest.approx(scatter, rel=0.08)
 
 
+@pytest.mark.parametrize("loss", LOSSES)
+def test_a_search_that_ends_in_rounding_has_converged(loss):
+    """At the optimum the decrease of the sum of losses is less than its rounding."""
+    load = np.linspace(1e3, 9e3, 21)
+    data = Measurements.from_columns({LOAD: load, "own_curve": np.ones(21)})
+    problem = calibration_problem(
+        stribeck(), data, [STRIBECK[0]], standard_deviations={"own_curve": 0.005}, loss=loss
+    )
+    arrays, static = eqx.partition(problem, eqx.is_array)
+
+    def solve(arrays, measured):
+        one = eqx.combine(arrays, static)
+        return jax.vmap(lambda data: one.solve(data, jnp.ones(1, bool), one.start, one.start))(
+            measured
+        )
+
+    # The settings that users have. Those of the tests compile each operation alone, and the same
+    # value then always gives the same sum.
+    settings = {"xla_backend_optimization_level": 2, "xla_cpu_use_fusion_emitters": True}
+    program = jax.jit(solve, compiler_options=settings)
+    computed = jax.jit(jax.vmap(lambda values: problem.computed(values)))
+    true = np.asarray(computed(jnp.array([[TRUTH[0]]])))[0]
+    measured = true + np.random.default_rng(0).normal(0, 0.005, (100, 21))
+    solved = program(arrays, jnp.asarray(measured))
+    assert solved.converged.all(), np.flatnonzero(~np.asarray(solved.converged))
+    # The search itself ends, after the refused steps that show that no further one helps.
+    assert int(solved.steps.max()) < 60
+    # Newton's step that is left, from derivatives of the losses in closed form and of the torques
+    # by central differences, in standard deviations of the fitted value.
+    step = 1e-5
+    before, at, after = (np.asarray(computed(solved.values + k * step)) for k in (-1, 0, 1))
+    slope = (after - before) / (2 * step) / 0.005
+    first, _ = influence((measured - at) / 0.005, loss)
+    left = np.sum(first * slope, axis=1) / np.linalg.norm(slope, axis=1)
+    assert np.abs(left).max() < 1e-4
+
+
 def test_coverage_counts_what_lies_within():
     data = Measurements.from_columns({LOAD: np.linspace(1e3, 9e3, 6), "own_straight": np.ones(6)})
     problem = calibration_problem(plain(), data, [SCREW, NUT])
@@ -114,6 +153,17 @@ def test_coverage_counts_what_lies_within():
     assert found.coverage([1.5, 2.5])[0] > 0.6
     with pytest.raises(ValueError, match="give one number for each of"):
         repeat_fits(problem, [1.5], 0.01)
+
+
+def test_coverage_is_that_of_the_fits_that_converged():
+    nan = np.nan
+    lower, upper = np.array([[1.0, 0.0], [nan, nan], [2.5, 0.0]]), np.array([[3.0] * 2] * 3)
+    upper[1] = nan
+    converged = np.array([True, False, True])
+    found = Repetitions(("a", "b"), lower, lower, lower, upper, converged)
+    assert found.coverage([2.0, 1.0]).tolist() == [0.5, 1.0]
+    none = Repetitions(("a", "b"), lower, lower, lower, upper, np.zeros(3, bool))
+    assert np.isnan(none.coverage([2.0, 1.0])).all()
 
 
 def test_preload_and_tooth_stiffness_from_a_force_deflection_curve():

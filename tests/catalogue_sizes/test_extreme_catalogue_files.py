@@ -32,6 +32,14 @@ def test_a_spreadsheet_writes_a_mark_in_front(tmp_path):
 ROW = "30,5,5,64,85,280"
 
 
+def test_semicolons_comments_and_empty_rows(tmp_path):
+    path = _file(tmp_path, "# made by hand", HEAD.replace(",", ";"), ROW.replace(",", ";"), ";;;;;")
+    (row,) = catalogue_rows(path)
+    assert (row["lead_mm"], row["nut_length_mm"], row["static_capacity_kn"]) == (5, 85, 280)
+    (row,) = catalogue_rows(_file(tmp_path, HEAD, ROW, ",,,,,"))
+    assert row["nut_outer_diameter_mm"] == 64
+
+
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
@@ -45,6 +53,10 @@ ROW = "30,5,5,64,85,280"
         ((HEAD, ROW, "30,5,5,64,85"), "line 3: 5 cells, but the header has 6"),
         ((HEAD, "30,5 mm,5,64,85,280"), "line 2: lead_mm is '5 mm'; give a finite number"),
         ((HEAD, "30,nan,5,64,85,280"), "lead_mm is 'nan'; give a finite"),
+        (
+            (HEAD.replace(",", ";"), "30;5;5;64;85,5;280"),
+            "line 2: nut_length_mm is '85,5'; decimal comma; write 85.5",
+        ),
         ((HEAD, "", "30,5,5,64,,280"), "line 3: nut_length_mm may not be empty"),
     ],
 )

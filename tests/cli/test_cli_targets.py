@@ -169,6 +169,34 @@ def test_a_mission_in_numbers(prsm_json, prsm):
     assert "start" not in out
 
 
+def test_a_mission_without_power_has_no_efficiency(prsm, prsm_json):
+    """0/0 is no number; 0.02 N·m of drag at 3000 rpm take 2π W, and none comes out: 0 %."""
+
+    def rows(*options):
+        _, out, _ = prsm("simulate", *options)
+        return {cells[0]: cells[1:] for cells in (re.split(r"\s{2,}", x) for x in out.splitlines())}
+
+    idle = rows("wu2022", "--set", "load=0 N")
+    assert idle["efficiency over the mission"] == ["–", "%"]
+    assert idle["efficiency %"] == ["–", "–"]
+    assert idle["energy from the drive"] == ["0", "J"]
+    assert prsm_json("simulate", "wu2022", "--set", "load=0 N")["summary"]["drive_energy_j"] == 0
+    dragged = rows("humanoid_leg", "--set", "load=0 N")
+    assert dragged["peak drive power"] == [f"{2 * np.pi:.6g}", "W"]
+    assert dragged["efficiency over the mission"] == ["0", "%"]
+    assert dragged["efficiency %"] == ["0", "0"]
+
+
+def test_a_torque_at_standstill_is_said_to_be_without_friction(prsm):
+    """7 kN times the lead of 10 mm over 2π, which no friction of a motion changes."""
+    _, out, _ = prsm("simulate", "wu2022", "--set", "speed=0 rpm")
+    assert re.search(rf"peak drive torque +{7e3 * 10e-3 / (2 * np.pi):.6g} ", out)
+    words = "The screw stands still: torques are those that hold the load without thread friction"
+    assert words in " ".join(out.split())
+    _, out, _ = prsm("simulate", "wu2022")
+    assert "stands still" not in out
+
+
 def test_a_closed_form_has_no_steps(prsm):
     status, out, err = prsm("simulate", "wu2022", "--method", "closed_form")
     assert (status, err) == (0, "")

@@ -81,6 +81,39 @@ def test_the_description_has_units_and_the_unit_the_mechanism(unit, mechanism):
     assert prsm.dumps(prsm.loads(text)) == prsm.dumps(mechanism)
 
 
+def _descriptions(path):
+    return {one.name: one.description for one in fmpy.read_model_description(path).modelVariables}
+
+
+@pytest.mark.parametrize(
+    ("name", "driven", "moved", "turning"),
+    [
+        ("wu2022", "screw", "nut", "screw"),
+        ("humanoid_leg", "nut", "screw", "nut"),
+        ("li2020_two_stage", "first screw", "last nut", "screw"),
+    ],
+)
+def test_descriptions_name_the_body_of_the_type(name, driven, moved, turning, tmp_path):
+    """Names of variables have `screw` and `nut` for all types; what they are stands beside them."""
+    path = write_fmu(tmp_path / "a.fmu", prsm.load(name))
+    found = _descriptions(str(path))
+    expected = {
+        "torque": f"torque at the {driven}",
+        "load": f"axial load on the {moved}, against its motion at positive speed",
+        "initial_speed": f"speed of the {driven} at the start",
+        "initial_position": f"position of the {moved} at the start",
+        "screw_angle": f"angle of the {driven} since the start",
+        "screw_speed": f"speed of the {driven}",
+        "screw_acceleration": f"acceleration of the {driven}",
+        "nut_position": f"position of the {moved}",
+        "nut_speed": f"speed of the {moved}",
+        "contact_force[1]": f"normal force of the {turning} on one roller",
+        "friction_torque": f"torque that friction takes from the {driven}",
+    }
+    assert {key: found[key] for key in expected} == expected
+    assert not [words for words in found.values() if words and "{" in words]
+
+
 @pytest.fixture(scope="module")
 def run(unit):
     """Forward, and then backward until the mechanism sticks; torques change between two steps."""

@@ -151,7 +151,7 @@ def test_all_numbers_of_both_results_are_written():
 def test_what_cannot_be_written_is_refused_in_one_line(run, tmp_path):
     with pytest.raises(ValueError, match=r"ending must be one of \.mat, \.nc, \.csv"):
         export_result(run, tmp_path / "run.xls")
-    with pytest.raises(ValueError, match="no histories"):
+    with pytest.raises(ValueError, match="a steady state has no histories for a CSV file"):
         export_result(made_steady(), tmp_path / "state.csv")
     batch = jax.tree.map(lambda number: jnp.stack([number] * 3), made_steady())
     with pytest.raises(ValueError, match=r"of \(3,\) designs"):

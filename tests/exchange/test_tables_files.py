@@ -136,7 +136,12 @@ def test_measurements_come_back_exactly_with_gaps(tmp_path):
         (("time [s],speed [rpm],load [N]", "0,1,2", "1,=1+1,2"), "row 3, column speed: '=1+1'"),
         (("time [s],speed [rpm],load [N]", "0,1,2", "1,,2"), "row 3, column speed: ''"),
         (("time [s],speed [rpm],load [N]", "0,1,2", "-1,1,2"), "row 3, column time"),
-        (("time [s],speed [rpm],load [N]", "0,1,2", "0,1,2"), "values that increase"),
+        (
+            ("load [N],speed [rpm],time [ms]", "2,1,0", ",,", "2,1,200", "2,1,100"),
+            "row 5, column time: 100 ms is not after 200 ms in the row before; give increasing",
+        ),
+        (("time [s],speed [rpm],load [N]", "0,1,2", "0,1,2"), "row 3, column time: 0 s is not"),
+        (("time [s],speed [rpm],load [N]", "0,1,2"), "has one row of numbers; a scenario needs"),
         (("time [s],speed [rpm],load [N]", "0,1,2", "1,1"), "row 3 has 2 cells"),
         (("time [s],time [s],load [N]", "0,1,2"), "column time is there twice"),
     ],

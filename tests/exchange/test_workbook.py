@@ -94,8 +94,66 @@ def test_dimensions_of_the_mechanism_are_numbers_with_units(book):
     degrees = pytest.approx(float(thread.contact_angle) * 180 / math.pi, rel=1e-13)
     assert found["contact angle (from the transverse plane)"] == (degrees, "°")
     assert found["rollers"] == (7, None)
-    # Two numbers in one cell are no number.
-    assert found["Young's modulus, Poisson's ratio"] == ("212 GPa, 0.29", None)
+    assert found["Young's modulus"] == (212, "GPa")
+    assert found["Poisson's ratio"] == (0.29, None)
+
+
+def test_numbers_with_many_digits_are_not_rounded(tmp_path):
+    """The mass of a cylinder, inputs of a duty cycle and limits, as a report rounds them."""
+    roller = 2.0 / 3.0 * 1e-2
+    words = f"""
+[[stage]]
+roller_count = 7
+[stage.thread]
+lead = 0.01
+starts = 5
+roller_radius = 0.004
+contact_angle = 0.8
+[stage.roller]
+length = {roller}
+[stage.screw]
+length = 0.1
+[stage.nut]
+length = 0.05
+wall_thickness = 0.005
+[stage.carrier]
+length = 0.004
+radial_width = 0.006
+count = 2
+[stage.material]
+youngs_modulus = 2.1e11
+poisson_ratio = 0.3
+density = 7850.0
+[stage.friction.thread]
+law = "coulomb"
+coefficient = 0.1
+[[duty_cycle]]
+duration = 1.23456789012345
+speed = 100.0
+load = 5000.0
+[optimise]
+minimise = "mass"
+[[optimise.variable]]
+name = "lead"
+lower = 0.005
+upper = 0.02
+[[optimise.constraint]]
+quantity = "max_pressure"
+upper = 2123456789.0123
+"""
+    path = tmp_path / "report.xlsx"
+    write_workbook(path, ReportData(mechanism=prsm.loads(words), title=""))
+    book = openpyxl.load_workbook(path)
+    found = {row["name"]: row for row in _table(book["Mechanism"], "Mechanism")[1]}
+    mass = 7850 * math.pi * 0.004**2 * roller
+    assert found["mass of a roller"]["value"] == pytest.approx(1e3 * mass, rel=EXACT)
+    assert found["mass of a roller"]["unit"] == "g"
+    (phase,) = _table(book["Inputs"], "[[duty_cycle]]")[1]
+    assert phase["duration [s]"] == pytest.approx(1.23456789012345, rel=EXACT)
+    assert phase["speed [rpm]"] == pytest.approx(100 * 30 / math.pi, rel=EXACT)
+    (limit,) = _table(book["Inputs"], "[optimise] constraints")[1]
+    assert limit["limit [MPa]"] == pytest.approx(2123.4567890123, rel=EXACT)
+    assert limit["limit is"] == "at most"
 
 
 def test_no_cell_is_a_formula_and_versions_stay_text(book):
@@ -125,6 +183,7 @@ def test_assumptions_are_a_sheet_with_the_section_of_each(book):
         ("at most 4200\u202fMPa", (4200.0, "MPa", "at most", 0)),
         ("45°", (45.0, "°", "", 0)),
         ("90.47 %", (90.47, "%", "", 2)),
+        ("equal to 5\u202fmm", (5.0, "mm", "equal to", 0)),
     ],
 )
 def test_a_cell_is_a_number_with_a_unit(text, expected):

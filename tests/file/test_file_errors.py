@@ -215,6 +215,22 @@ def test_settings_refused(setting, message):
     assert str(caught.value).isprintable()
 
 
+@pytest.mark.parametrize(
+    ("setting", "distance", "length"),
+    [("nut_distance=1200 mm", "1.2 m", "180 mm"), ("screw.length=40 mm", "0.11 m", "40 mm")],
+)
+def test_a_nut_beyond_its_screw_is_refused(setting, distance, length):
+    mechanism = file.load("humanoid_leg")
+    with pytest.raises(FileError) as caught:
+        file.apply_settings(mechanism, [setting])
+    assert str(caught.value) == (
+        f"after --set {setting}: axis.shaft.nut_distance is {distance}; it must be less than the "
+        f"screw's length (stage.screw.length), {length}"
+    )
+    # Both are checked when all are set.
+    file.apply_settings(mechanism, ["nut_distance=1200 mm", "screw.length=1300 mm"])
+
+
 def test_settings_are_checked_together_at_the_end():
     moved = file.apply_settings(
         file.load("actuator"), ["screw.bore_radius=14 mm", "roller_radius=6 mm"]
@@ -226,10 +242,12 @@ def test_importing_is_light_and_a_missing_extra_is_named():
     code = """
 import sys
 import prsm_jax.file as file
+from prsm_jax.mechanism import Mechanism, Stage, Thread
+one = Mechanism((Stage(Thread(5e-3, 5, 2e-3, 0.8), 5),))
 heavy = {"pint", "tomlkit"} & set(sys.modules)
 assert not heavy, heavy
 sys.modules["pint"] = None
-for call in (lambda: file.load("wu2022"), lambda: file.dumps(None)):
+for call in (lambda: file.load("wu2022"), lambda: file.dumps(one)):
     try:
         call()
     except file._read.missing_extra("", "", ImportError()).__class__ as error:

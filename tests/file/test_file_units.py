@@ -42,6 +42,8 @@ _FINITE = st.floats(allow_nan=False, allow_infinity=False)
         ("1 1/s", "Hz", 1.0),
         ("0.5", "1", 0.5),
         ("5 percent", "1", 0.05),
+        ("5 %", "1", 0.05),
+        ("91%", "1", 0.91),
     ],
 )
 def test_units_read(text, unit, value):
@@ -71,6 +73,16 @@ def test_units_read(text, unit, value):
         ("1" * 100 + " mm", "m", "not a number with a unit"),
         ("1e99999 mm", "m", "there is no unit 'e' here"),
         ("1 __import__", "m", "cannot read the unit"),
+        ("10,5 mm", "m", r"^decimal comma; write 10\.5 mm$"),
+        ("0,05", "1", r"^decimal comma; write 0\.05$"),
+        ("1,500 rpm", "rad/s", "write 1.500 rpm, or 1500 rpm if the comma separates thousands"),
+        ("1 m%", "m", "cannot read the unit"),
+        ("1,234.5 N", "N", r"^comma between digits; write 1234\.5 N$"),
+        ("-12,345,678", "1", r"^comma between digits; write -12345678$"),
+        *(
+            (text, "m", r"^commas between digits; give one number, with a decimal point$")
+            for text in ("1,2,3 mm", "0,5,10", "9,81,", "1,23.4 mm", "1,234.5.6", "12,5 N,m")
+        ),
     ],
 )
 def test_units_refused(text, unit, message):

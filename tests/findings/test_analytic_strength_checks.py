@@ -218,3 +218,137 @@ def test_the_status_is_the_worst_verdict():
     assert status_of((said("pass"),), (finding("error"),)) == "fail"
     # What was not checked does not pass.
     assert status_of((), None) == "warning"
+
+
+def _two_stages(permissible, **data):
+    """Both stages of an example, equally loaded, with one permissible pressure each [Pa]."""
+    mechanism = scenes.example("li2021_two_stage")
+    stages = tuple(
+        dataclasses.replace(
+            stage,
+            load_sharing=None,
+            material=scenes.STEEL,
+            engaged_threads=jnp.asarray(20.0),
+            strength=Strength(permissible_pressure=one, **data),
+        )
+        for stage, one in zip(mechanism.stages, permissible, strict=True)
+    )
+    return dataclasses.replace(mechanism, stages=stages)
+
+
+def _pressure_rows(mechanism):
+    rows = [one for one in prsm.strength_checks(mechanism) if one.name == "max_pressure"]
+    return {one.stage: one for one in rows}
+
+
+def test_each_stage_has_its_own_permissible_pressure():
+    contacts = prsm.thread_contacts(_two_stages((1e9, 1e9)))
+    first, second = (
+        max(float(one.screw.hertz.max_pressure), float(one.nut.hertz.max_pressure))
+        for one in contacts
+    )
+    assert abs(first / second - 1) > 0.05
+    rows = _pressure_rows(_two_stages((1.01 * first, 1.01 * second)))
+    assert {number: row.verdict for number, row in rows.items()} == {1: "pass", 2: "pass"}
+    for number, value in ((1, first), (2, second)):
+        assert rows[number].value == pytest.approx(value, rel=1e-12)
+        assert rows[number].limit == pytest.approx(1.01 * value, rel=1e-12)
+    rows = _pressure_rows(_two_stages((1.01 * first, 0.99 * second)))
+    assert {number: row.verdict for number, row in rows.items()} == {1: "pass", 2: "fail"}
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(1.01, "no limit"), (0.99, "fail")])
+def test_a_pressure_without_the_preload_proves_nothing(share, verdict):
+    """It is that of the operating load alone; the preload can only raise it."""
+    play = prsm.mechanism.AxialPlay(preload_force=20e3, arrangement="double_nut")
+    pressure = float(_pressure_rows(_two_stages((1e9, 1e9)))[1].value)
+    rows = _pressure_rows(_two_stages((share * pressure, 1e12), play=play))
+    assert rows[1].value == pytest.approx(pressure, rel=1e-12)
+    assert (rows[1].verdict, rows[1].limit is None) == (verdict, verdict == "no limit")
+
+
+def test_the_pressure_with_the_preload_has_a_verdict():
+    """In closed form: 2^{3/2} times the preload frees the other nut, so one nut carries it all.
+
+    Below that load the stage fails at a limit between both pressures.
+    """
+    opening = 2**1.5 * 5e3
+    play = prsm.mechanism.AxialPlay(preload_force=5e3, arrangement="double_nut")
+
+    def rows(load, permissible):
+        two = dataclasses.replace(
+            _two_stages((permissible, 1e12), play=play),
+            operating_point=prsm.mechanism.OperatingPoint(10.0, load),
+        )
+        found = [one for one in prsm.strength_checks(two) if one.stage == 1]
+        return {one.name: one for one in found}
+
+    at_opening = rows(opening, 1e12)
+    pressure = at_opening["max_pressure"].value
+    assert at_opening["preloaded_pressure"].value == pytest.approx(pressure, rel=1e-9)
+    assert at_opening["preloaded_pressure"].verdict == "pass"
+    assert at_opening["max_pressure"].verdict == "no limit"
+    # Without a load each nut carries the preload alone: the cube root of 2^{3/2} less pressure.
+    idle = rows(0.0, 0.99 * pressure / 2**0.5)
+    assert idle["max_pressure"].value == 0
+    assert idle["preloaded_pressure"].value == pytest.approx(pressure / 2**0.5, rel=1e-9)
+    assert idle["preloaded_pressure"].limit == pytest.approx(0.99 * pressure / 2**0.5)
+    assert idle["preloaded_pressure"].verdict == "fail"
+    assert idle["preloaded_pressure"].margin == pytest.approx(1 - 1 / 0.99, rel=1e-7)
+
+
+def test_a_stage_with_a_preload_is_judged_beside_one_without():
+    play = prsm.mechanism.AxialPlay(preload_force=5e3, arrangement="double_nut")
+    both = _two_stages((1e12, 1e12), play=play)
+    bare = dataclasses.replace(
+        both.stages[1], strength=dataclasses.replace(present(both.stages[1].strength), play=None)
+    )
+    one = dataclasses.replace(both, stages=(both.stages[0], bare))
+    rows = {(row.name, row.stage): row for row in prsm.strength_checks(one)}
+    expected = {(row.name, row.stage): row for row in prsm.strength_checks(both)}
+    name = "preloaded_pressure"
+    assert rows[name, 1].value == pytest.approx(expected[name, 1].value, rel=1e-12)
+    assert rows[name, 1].verdict == "pass"
+    assert (name, 2) not in rows
+    assert rows["max_pressure", 1].verdict == "no limit"
+    assert rows["max_pressure", 2].verdict == "pass"
+    # A pressure that does not exist does not keep its limit.
+    failed = strength_checks_from(both, margin_numbers(both), {name: [math.nan, 1e9]})
+    assert [row.verdict for row in failed if row.name == name] == ["fail", "pass"]
+
+
+def test_with_unequal_threads_the_pressure_with_the_preload_can_only_fail():
+    """It is that of equal threads, of which the most loaded one carries more."""
+    play = prsm.mechanism.AxialPlay(preload_force=5e3, arrangement="double_nut")
+    sharing = present(scenes.example("actuator_load_sharing").stages[0].load_sharing)
+    mechanism = scenes.equal_shares("actuator")
+
+    def row(permissible, **given):
+        stage = dataclasses.replace(
+            mechanism.stages[0],
+            load_sharing=dataclasses.replace(sharing, **given),
+            strength=Strength(permissible_pressure=permissible, play=play),
+        )
+        found = prsm.strength_checks(dataclasses.replace(mechanism, stages=(stage,)))
+        return next(one for one in found if one.name == "preloaded_pressure")
+
+    assert row(1e12, split_nut=None).verdict == "no limit"
+    assert row(1e9, split_nut=None).verdict == "fail"
+    # The loads of the threads of a modelled split nut include its preload.
+    assert row(1e9).verdict == "no limit"
+
+
+def test_self_locking_is_judged_by_the_load_that_drives_also_at_standstill():
+    """Coulomb friction does not depend on the speed, so neither does the verdict."""
+    mechanism = scenes.equal_shares("wu2022")
+    mechanism = prsm.set_parameter(mechanism, "thread.coefficient", 0.6)
+    mechanism = prsm.set_parameter(mechanism, "contact_angle", math.radians(60.0))
+    found = {}
+    for speed in (10.0, 0.0):
+        still = prsm.set_parameter(mechanism, "speed", speed)
+        (row,) = (one for one in prsm.strength_checks(still) if one.name == "self_locking")
+        found[speed] = row.value, row.verdict
+        assert "self_locking" in {one.name for one in prsm.check(still)}
+    assert found[0.0][0] == pytest.approx(found[10.0][0], rel=1e-12)
+    assert found[0.0][0] < 0
+    assert found[0.0][1] == "no limit"

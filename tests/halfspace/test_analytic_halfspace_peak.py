@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from prsm_jax.halfspace import grid_over, solve_contact
 from prsm_jax.halfspace._peak import peak_pressure
 
 _peak = jax.jit(peak_pressure)
@@ -51,3 +52,18 @@ def test_a_vertex_more_than_a_cell_away_does_not_count():
     slope[5:] = 0.0
     found = float(_peak(jnp.asarray(np.sqrt(slope))))
     assert found == pytest.approx(np.sqrt(slope.max()), rel=0.05)
+
+
+def test_no_vertex_beyond_a_sharp_edge():
+    """A roller with square ends: pressure rises to the last cell, and is a step there."""
+    grid = grid_over((32, 32), jnp.asarray(1e-3), jnp.asarray(3e-4))
+    x, y = grid.points
+    material = jnp.abs(x) < 6e-4
+    found = solve_contact(
+        grid, y**2 / 2 / 5e-3, jnp.asarray(1.15e11), load=jnp.asarray(200.0), material=material
+    )
+    assert int(found.code) == 0
+    largest = float(jnp.max(found.pressure))
+    # It is at an end, and higher than in the middle.
+    assert largest > 1.1 * float(jnp.max(found.pressure[15:17]))
+    assert float(found.max_pressure) == pytest.approx(largest, rel=1e-14)

@@ -56,7 +56,7 @@ WALKS = (
             ("dynamics.forces._chain", "chain_forces"),
             ("dynamics.steady._steady", "steady_state"),
             ("quantities.entries._operation", "efficiency"),
-            ("quantities._catalogue", "compute"),
+            ("quantities._compute", "compute"),
         ),
     ),
     Walk(
@@ -76,7 +76,7 @@ WALKS = (
             ("load_sharing._side_loads", "side_loads"),
             ("load_sharing._distribution", "stage_load_distributions"),
             ("quantities.entries._load_sharing", "max_pressure_shared"),
-            ("quantities._catalogue", "compute"),
+            ("quantities._compute", "compute"),
         ),
     ),
 )

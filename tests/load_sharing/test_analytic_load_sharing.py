@@ -348,8 +348,14 @@ def test_deflection_of_a_preloaded_nut_is_that_of_the_load_alone():
     resting = load_distribution(one, array(0.0))
     assert float(resting.deflection) > 5e-6
     assert float(resting.elastic.deflection) == pytest.approx(0.0, abs=1e-15)
-    assert float(resting.secant_stiffness) == 0
     tangent = float(present(resting.tangent_stiffness))
+    # The limit of the secant for a load that goes to 0.
+    assert float(resting.secant_stiffness) == pytest.approx(tangent, rel=1e-12)
+    names = ["nut_axial_stiffness_secant", "axial_deflection"]
+    # Also under a load whose deflection is lost in the rounding of travels.
+    for least in (0.0, 1e-13):
+        of_nut = prsm.compute(one, names, speed=10.0, load=least)
+        assert float(of_nut[names[0]]) == pytest.approx(tangent, rel=1e-9)
     for load in (100.0, -100.0):
         found = load_distribution(one, array(load))
         elastic = found.elastic

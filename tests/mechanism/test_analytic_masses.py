@@ -75,3 +75,21 @@ def test_own_material_wins_over_the_stages():
     light = prsm.mechanism.Material(70e9, 0.33, 2700.0)
     one = stage(roller=Roller(length=0.05, material=light))
     assert body_mass(one, "roller") == pytest.approx(np.pi * 2700 * 0.05 * 16e-6, rel=1e-13)
+
+
+def test_screws_that_ride_on_nuts_move_along_the_axis():
+    stages = tuple(
+        stage(
+            screw=Screw(mass=mass),
+            nut=Nut(mass=0.7),
+            roller=Roller(mass=0.03),
+            ring_gear=None,
+            carrier=Carrier(mass=0.05),
+        )
+        for mass in (1.1, 1.3, 1.7)
+    )
+    mechanism = prsm.Mechanism(stages)
+    count = float(stages[0].roller_count)
+    expected = 3 * (0.7 + 0.03 * count + 2 * 0.05) + 1.3 + 1.7
+    found = prsm.compute(mechanism, ["nut_unit_mass"])["nut_unit_mass"]
+    assert float(found) == pytest.approx(expected, rel=1e-14)

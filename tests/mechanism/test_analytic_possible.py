@@ -1,13 +1,18 @@
 """Inside a trace no number is refused; a code says that one is out of the range of files."""
 
+import dataclasses
+
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from present import present
 from scenes import example
 
 from benchmarks.extremes.numbers import numbers_of, split
-from prsm_jax.mechanism import numbers_possible
+from prsm_jax.geometry import axis_possible
+from prsm_jax.mechanism import AxisShaft, FarBearing, numbers_possible, set_parameter
 from prsm_jax.quantities import REASONS, compute_coded
 
 MECHANISM = example("actuator")
@@ -64,3 +69,48 @@ def test_lists_are_held_to_it_too():
     )
     assert bool(numbers_possible(stage))
     assert not bool(numbers_possible(relief))
+
+
+def test_a_nut_beyond_its_screw_has_a_code():
+    """Neighbours in the same batch keep their numbers; NaN says so by the values."""
+    mechanism = example("actuator_axis")
+
+    @jax.jit
+    @jax.vmap
+    def coded(distance):
+        moved = set_parameter(mechanism, "nut_distance", distance, checked=False)
+        return compute_coded(moved, ["first_axial_frequency"])
+
+    # Of a screw of 500 mm.
+    values, codes = coded(jnp.asarray([0.25, 0.499, 0.5, 0.6, 1.2, -0.1, jnp.nan, 0.25]))
+    words = [REASONS[int(code)] for code in codes]
+    beyond = "impossible_dimension"
+    assert words == ["successful"] * 2 + [beyond] * 4 + ["not_finite", "successful"]
+    found = values["first_axial_frequency"]
+    assert bool(jnp.isfinite(found[jnp.asarray([0, 1, 7])]).all())
+    assert float(found[0]) == float(found[7])
+
+
+@pytest.mark.parametrize(
+    ("distance", "far", "length", "possible"),
+    [
+        (0.2, None, 0.4, True),
+        (0.4, None, 0.4, False),
+        (0.7, None, None, True),
+        (0.2, 0.3, 0.4, True),
+        (0.2, 0.4, 0.4, True),
+        (0.3, 0.3, 0.4, False),
+        (0.2, 0.41, 0.4, False),
+        (0.2, 0.41, None, True),
+        (0.42, 0.41, None, False),
+    ],
+)
+def test_the_nut_lies_between_the_bearings_on_the_screw(distance, far, length, possible):
+    stage, axis = example("actuator_axis").stages[0], present(example("actuator_axis").axis)
+    shaft = AxisShaft(0.2, None if far is None else FarBearing(0.3, 2e8))
+    axis = dataclasses.replace(axis, shaft=shaft)
+    stage = dataclasses.replace(stage, screw=dataclasses.replace(stage.screw, length=length))
+    axis = eqx.tree_at(lambda a: a.shaft.nut_distance, axis, jnp.asarray(distance))
+    if far is not None:
+        axis = eqx.tree_at(lambda a: a.shaft.far_bearing.distance, axis, jnp.asarray(far))
+    assert bool(axis_possible(axis, stage)) == possible

@@ -153,7 +153,8 @@ _TESTS: tuple[tuple[str, str], ...] = (
     ),
     (
         "findings/_truncation",
-        "analytic/truncation analytic/findings_numbers analytic/findings",
+        "analytic/truncation analytic/truncation_remedy analytic/thread_extent "
+        "analytic/findings_numbers analytic/findings",
     ),
     (
         "findings/_margin",

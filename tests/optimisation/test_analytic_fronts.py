@@ -160,6 +160,10 @@ def test_the_result_is_plain_and_gives_mechanisms(bowls):
     json.dumps(plain, allow_nan=False)
     lead = float(front.design(1).stages[0].thread.lead)
     assert lead == front.points[1].variables["lead"]
+    assert float(front.design(-1).stages[0].thread.lead) == front.points[2].variables["lead"]
+    for place in (3, 99, -4):
+        with pytest.raises(IndexError, match=f"index is {place}; the front has points 0 to 2"):
+            front.design(place)
     rows = front.to_table().rows
     assert [row[0] for row in rows] == ["start", "1", "2", "3"]
     # Points at 0, a quarter and the whole of the squared distance; a staircase of three rectangles.
@@ -203,6 +207,10 @@ def test_dominance_keeps_one_of_equal_points():
         ({"objectives": ["bowl_a", "bowl_b"]}, "give the sense of each"),
         ({"objectives": {"bowl_a": "minimise", "bowel": "minimise"}}, "unknown quantity"),
         ({"objectives": {"bowl_a": "minimise", "bowl_b": "minimise"}, "points": 2}, "points is 2"),
+        (
+            {"objectives": {"bowl_a": "minimise", "bowl_b": "minimise"}, "load": np.nan},
+            "load is nan; give a finite number",
+        ),
         (
             {"objectives": {"bowl_a": "minimise", "bowl_b": "minimise"}, "tolerance": 1.0},
             "tolerance is",

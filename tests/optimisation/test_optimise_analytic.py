@@ -266,6 +266,32 @@ def test_result_prints_and_is_plain(bowl):
             "bounds only",
         ),
         ({"variables": BOX, "minimise": "duty_efficiency"}, "no duty cycle"),
+        (
+            {"variables": BOX, "minimise": "bowl", "starts": 1.5},
+            "starts is 1.5; give a whole number of 1 or more",
+        ),
+        (
+            {"variables": BOX, "minimise": "bowl", "starts": 2, "seed": -1},
+            "seed is -1; give a whole number of 0 or more",
+        ),
+        (
+            {"variables": BOX, "minimise": "bowl", "seed": 0.5},
+            "seed is 0.5; give a whole number of 0 or more",
+        ),
+        (
+            {"variables": BOX, "minimise": "bowl", "constraints": {"sum_of_both": (np.nan, None)}},
+            "constraint on 'sum_of_both': lower is nan; give a number",
+        ),
+        (
+            {"variables": BOX, "minimise": "bowl", "constraints": {"sum_of_both": np.nan}},
+            "constraint on 'sum_of_both': equal is nan; give a number",
+        ),
+        ({"variables": BOX, "minimise": "bowl", "load": np.nan}, "load is nan; give a finite"),
+        ({"variables": BOX, "minimise": "bowl", "speed": np.inf}, "speed is inf; give a finite"),
+        (
+            {"variables": BOX, "minimise": "bowl", "maximise": "bowl"},
+            "'bowl' is both maximised and minimised",
+        ),
     ],
 )
 def test_errors_name_the_thing(unchecked, bowl, arguments, words):

@@ -114,5 +114,19 @@ def test_warnings_of_both_designs_are_reported():
     # The crest is that near that ellipses are cut from the first, and at the end the contact is
     # beyond it; the mechanism has no other warnings.
     assert (starts, ends) == ({"contact_truncation"}, {"contact_truncation", "contact_on_flank"})
-    assert "prsm check of the start: warning contact_truncation, stage 1: " in str(best)
-    assert "warning contact_on_flank, stage 1: " in str(best)
+    told = [line for line in str(best).splitlines() if line.startswith("prsm check of the ")]
+    first, counted, *new = (line.removeprefix("prsm check of the ") for line in _in_order(told))
+    # Warnings of the file are counted: both sides of the screw's crest, and of the nut's.
+    count = sum(f.name == "contact_truncation" for f in best.findings_start)
+    assert count > 1
+    assert first == f"start: warnings: contact_truncation ({count})"
+    count = sum(f.name == "contact_truncation" for f in best.findings_optimum)
+    assert counted == f"optimum: warnings as at the start: contact_truncation ({count})"
+    # Those of the optimum alone are told in full.
+    messages = [f.message for f in best.findings_optimum if f.name == "contact_on_flank"]
+    assert new == [f"optimum: warning contact_on_flank, stage 1: {text}" for text in messages]
+
+
+def _in_order(lines):
+    """Those that count first, each design in turn."""
+    return sorted(lines, key=lambda line: ("start" not in line[:25], ": warnings" not in line))

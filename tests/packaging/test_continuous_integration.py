@@ -50,8 +50,17 @@ def test_parts_for_which_no_time_is_left_are_named(tmp_path):
     assert lines[-1].startswith("NOT RUN: slow tests, part 3/4 4/4 1/4 2/4, for want of time")
 
 
-@pytest.mark.parametrize("fails", ["test", "guard", "slow PARTS=4/4"])
+@pytest.mark.parametrize("fails", ["test", "guard"])
 def test_what_fails_ends_it(tmp_path, fails):
     code, lines = _run(tmp_path, PRSM_CI_SECONDS="600", FAILS=fails)
     assert code != 0
     assert lines[-1] == f"make {fails}"
+
+
+def test_a_part_that_fails_does_not_hide_the_others(tmp_path):
+    code, lines = _run(tmp_path, PRSM_CI_SECONDS="600", FAILS="slow PARTS=4/4")
+    assert code != 0
+    assert lines == [
+        *_made(*(f"slow PARTS={k}/4" for k in (3, 4, 1, 2))),
+        "FAILED: slow tests, part 4/4",
+    ]

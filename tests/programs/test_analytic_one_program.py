@@ -5,6 +5,7 @@ Counted are compilations, by JAX's own events, not seconds.
 
 import contextlib
 import dataclasses
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -213,6 +214,40 @@ def test_a_second_call_traces_and_compiles_nothing(function):
         np.testing.assert_allclose(found, exact, rtol=1e-11, atol=1e-14 * size)
 
 
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda m, number: prsm.frequency_response(m, "screw u", "nut u", [293.0, number]).value,
+        lambda m, number: prsm.response.mesh_response(m, [50.0, number]).displacement,
+        lambda m, number: prsm.campbell(m, load=number, orders=["carrier"]).modes.frequencies,
+    ],
+    ids=["frequency_response", "mesh_response", "campbell"],
+)
+def test_a_second_response_traces_and_compiles_nothing(function):
+    vibrating = prsm.load("wu2022")
+    with compilations() as made:
+        jax.block_until_ready(function(vibrating, 300.0))
+    # Its own, and single operations that prepare the numbers.
+    assert len(made) <= 8
+    before = len(_traced)
+    with compilations() as made:
+        jax.block_until_ready(function(vibrating, 310.0))
+    assert made == []
+    assert _traced[before:] == []
+
+
+def test_responses_take_plain_numbers_in_a_mechanism():
+    """As `eqx.tree_at` puts them there."""
+    one = prsm.load("wu2022")
+    lead = float(prsm.get_parameter(one, "lead"))
+    plain = eqx.tree_at(lambda m: m.stages[0].thread.lead, one, lead)
+    for function in (
+        lambda m: prsm.frequency_response(m, "screw u", "nut u", 293.0).value,
+        lambda m: prsm.response.mesh_response(m, 50.0).displacement,
+    ):
+        np.testing.assert_array_equal(function(plain), function(one))
+
+
 def test_reverse_mode_outside_of_a_program_keeps_its_arguments_only():
     numbers = len(jax.tree.leaves(ONE))
     _, pull = jax.vjp(lambda one: prsm.steady_state(one).efficiency, ONE)
@@ -300,3 +335,46 @@ class _Unhashable:
 def _first_and_last(given, place):
     assert isinstance(given["words"], _Unhashable)
     return 2 * place
+
+
+_SAME_NUMBER: tuple[Any, ...] = (
+    100,
+    np.int64(100),
+    np.float32(100.0),
+    np.float64(100.0),
+    np.asarray(100.0),
+)
+
+
+@pytest.mark.usefixtures("unchecked")
+@pytest.mark.parametrize(
+    "verb",
+    [
+        lambda speed: prsm.steady_state(ONE, speed=speed).drive_torque,
+        lambda speed: prsm.steady_state(ONE, speed).drive_torque,
+        lambda load: prsm.modal(ONE, load=load).frequencies,
+        lambda speed: prsm.compute(ONE, ["loss_power"], speed=speed)["loss_power"],
+    ],
+    ids=["steady_state", "by place", "modal", "compute"],
+)
+def test_a_number_of_another_type_compiles_nothing(verb):
+    expected = verb(100.0)
+    for number in (*_SAME_NUMBER, jnp.float32(100.0), jnp.asarray(100)):
+        with compilations() as made:
+            found = verb(number)
+        assert made == [], type(number)
+        assert found.dtype == expected.dtype
+        np.testing.assert_array_equal(found, expected)
+
+
+def test_a_number_of_another_type_in_float32():
+    """The result is in the precision of the mechanism, as with a Python float."""
+    single = prsm.programs.to_precision(ONE, jnp.float32)
+    expected = prsm.steady_state(single, speed=100.0).drive_torque
+    assert expected.dtype == jnp.float32
+    for number in (*_SAME_NUMBER, jnp.float32(100.0)):
+        with compilations() as made:
+            found = prsm.steady_state(single, speed=number).drive_torque
+        assert made == [], type(number)
+        assert found.dtype == jnp.float32
+        assert float(found) == float(expected)

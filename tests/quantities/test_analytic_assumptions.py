@@ -1,6 +1,7 @@
 """What numbers rest on: sentences that follow the file, and the finding on equal sharing."""
 
 import dataclasses
+import math
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -98,14 +99,99 @@ def test_given_capacities_and_stiffnesses_assume_nothing():
 
 def test_real_sharing_leaves_only_what_still_counts_the_mean_thread():
     mechanism = example("actuator_load_sharing")
-    assert prsm.assumptions(mechanism, ["axial_stiffness"]) == ()
+    (of_secant,) = prsm.assumptions(mechanism, ["axial_stiffness"])
+    assert "see nut_axial_stiffness_secant" in of_secant
     assert not _equal(mechanism, "max_pressure_shared")
     found = prsm.assumptions(mechanism, ["max_pressure"])
-    (sentence,) = [one for one in found if "contact ellipse" not in one]
-    assert "mean thread load" in sentence
-    assert "max_pressure_shared" in sentence
+    of_mean, of_preload, of_load = [one for one in found if "contact ellipse" not in one]
+    assert "mean thread load" in of_mean
+    assert "max_pressure_shared" in of_mean
+    assert "without the preload" in of_preload
+    assert "without thread friction" in of_load
     # No friction of the contacts is modelled there.
-    assert prsm.assumptions(mechanism, ["efficiency"]) == ()
+    (of_friction,) = prsm.assumptions(mechanism, ["efficiency"])
+    assert "its drag torque is preload_torque" in of_friction
+
+
+@pytest.mark.parametrize("name", ["actuator_tolerances", "actuator_load_sharing"])
+def test_numbers_that_do_not_follow_a_preload_say_so(name):
+    """By changing the preload: a quantity with a sentence on it stays, one without one follows."""
+    mechanism = example(name)
+    at = "play.preload_force" if name == "actuator_tolerances" else "split_nut.preload"
+    more = prsm.set_parameter(mechanism, at, 1.2 * float(prsm.get_parameter(mechanism, at)))
+    names = [
+        *("max_pressure", "max_von_mises_screw", "thread_stiffness_nut", "drive_torque"),
+        *("contact_axial_stiffness_tangent", "static_safety", "lost_motion", "preload_torque"),
+    ]
+    names += ["max_pressure_shared"]
+    names = [one for one in names if one in prsm.quantities.available_quantities(mechanism, names)]
+    assert len(names) >= 6
+    before, after = (prsm.compute(one, names) for one in (mechanism, more))
+    for one in names:
+        told = [x for x in prsm.assumptions(mechanism, [one]) if "without the preload" in x]
+        told += [x for x in prsm.assumptions(mechanism, [one]) if "without its preload" in x]
+        stays = bool(jnp.all(jnp.asarray(before[one]) == jnp.asarray(after[one])))
+        assert bool(told) == stays, one
+
+
+def test_the_secant_of_a_split_nut_is_said_to_be_no_load_over_travel():
+    """With rigid shafts the travel of the nut is that of its contacts, and F/x is larger."""
+    split = example("actuator_load_sharing")
+    sharing = present(split.stages[0].load_sharing)
+    rigid = {f"{body}_segment_stiffness": jnp.asarray(1e15) for body in ("screw", "roller", "nut")}
+    stage = dataclasses.replace(split.stages[0], load_sharing=dataclasses.replace(sharing, **rigid))
+    rigid_shafts = dataclasses.replace(split, stages=(stage,))
+    names = ["contact_axial_stiffness_secant", "nut_axial_stiffness_secant"]
+    contacts, nut = prsm.compute(rigid_shafts, names).values()
+    assert float(nut) > 1.5 * float(contacts)
+    words = "not the load over the travel"
+    assert [words in one for one in prsm.assumptions(split, names[:1])].count(True) == 1
+    assert not any(words in one for one in prsm.assumptions(split, names[1:]))
+    assert not any(words in one for one in prsm.assumptions(example("actuator"), names))
+
+
+@pytest.mark.parametrize("name", ["recirculating_stage", "actuator_tolerances"])
+def test_contacts_that_do_not_follow_thread_friction_say_so(name):
+    """By changing the coefficient: forces of the steady state follow it, single contacts do not."""
+    mechanism = example(name)
+    at = "friction.thread.coefficient"
+    more = prsm.set_parameter(mechanism, at, 1.2 * float(prsm.get_parameter(mechanism, at)))
+    names = [
+        *("max_pressure", "max_pressure_nut", "approach_screw", "semi_major_screw"),
+        *("max_shear_stress_nut", "max_pressure_shared", "preloaded_pressure", "contact_force"),
+    ]
+    names = prsm.quantities.available_quantities(mechanism, names)
+    assert len(names) >= 6
+    before, after = (prsm.compute(one, names) for one in (mechanism, more))
+    for one in names:
+        told = [x for x in prsm.assumptions(mechanism, [one]) if "without thread friction" in x]
+        stays = bool(jnp.all(jnp.asarray(before[one]) == jnp.asarray(after[one])))
+        assert len(told) == stays, one
+    every = [x for x in prsm.assumptions(mechanism) if "without thread friction" in x]
+    assert len(every) == 1
+    stages = tuple(dataclasses.replace(one, friction=None) for one in mechanism.stages)
+    bare = dataclasses.replace(mechanism, stages=stages)
+    assert not [x for x in prsm.assumptions(bare) if "without thread friction" in x]
+
+
+def test_friction_raises_the_force_while_driving_and_lowers_it_while_driven():
+    """As the sentence says: one roller of eight carries 500 N along the axis, 707 N normal."""
+    mechanism = example("recirculating_stage")
+    driving, driven = (
+        prsm.steady_state(prsm.set_parameter(mechanism, "load", load)) for load in (4e3, -4e3)
+    )
+    lead, radius = (
+        1e3 * float(x)
+        for x in (mechanism.stages[0].thread.lead, mechanism.stages[0].thread.screw_radius)
+    )
+    normal = 4e3 / 8 * (2 + (lead / (2 * math.pi * radius)) ** 2) ** 0.5
+    assert float(driven.contact_force[0]) < normal < float(driving.contact_force[0])
+    (sentence,) = (
+        x for x in prsm.assumptions(mechanism, ["max_pressure"]) if "without thread friction" in x
+    )
+    assert (
+        "raises the normal force where rollers slide while the body that turns drives" in sentence
+    )
 
 
 def test_all_quantities_at_once_and_each_sentence_once():

@@ -1,9 +1,14 @@
 """Functions of a mechanism in place of names of quantities, and definitions that are run again."""
 
+import copy
+import gc
+import pickle
 import subprocess
 import sys
+import weakref
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -112,9 +117,145 @@ def test_functions_without_names_of_their_own_are_numbered():
     assert list(values) == ["inner", "inner_2", "function"]
     found = [float(value) for value in values.values()]
     assert found == pytest.approx([_LEAD, _LEAD**2, 5.0], rel=1e-15)
-    # The same function has one name.
-    assert quantity_name(first) == "inner"
-    assert quantity_name(made(3)) == "inner_3"
+    # Only those of one call are numbered, and the same function is one quantity.
+    assert [str(quantity_name(one)) for one in (first, second, made(3))] == ["inner"] * 3
+    assert list(prsm_jax.compute(_MECHANISM, [first, first])) == ["inner"]
+    third = prsm_jax.compute(_MECHANISM, [made(3), "nut_radius", second, lambda m: 1.0])
+    assert list(third) == ["inner", "nut_radius", "inner_2", "function"]
+    assert float(third["inner"]) == pytest.approx(_LEAD**3, rel=1e-15)
+    assert all(type(name) is str for name in third)
+
+
+def _objective(factor: float):
+    """A function that is defined anew in every call, as in a notebook or in a class."""
+
+    def cost(mechanism):
+        return factor * mechanism.stages[0].thread.lead
+
+    return cost
+
+
+def test_a_closure_has_its_name_in_every_call():
+    """And its own number: not that of a program of the closure before."""
+    found = [
+        float(prsm_jax.compute(_MECHANISM, [_objective(factor)])["cost"])
+        for factor in (2.0, 3.0, 3.0)
+    ]
+    assert found == pytest.approx([2 * _LEAD, 3 * _LEAD, 3 * _LEAD], rel=1e-15)
+    for factor in (2.0, 3.0):
+        values, code = prsm_jax.quantities.compute_coded(_MECHANISM, [_objective(factor)])
+        assert float(values["cost"]) == pytest.approx(factor * _LEAD, rel=1e-15)
+        assert int(code) == 0
+
+
+def test_closures_of_one_name_in_other_verbs():
+    for factor in (2.0, 3.0):
+        cost = _objective(factor)
+        table = prsm_jax.sensitivity(_MECHANISM, [cost], ["lead"], kinks=False, second=True)
+        assert table.quantities == ("cost",)
+        np.testing.assert_allclose(table.gradient, [[factor]], rtol=1e-14)
+        data = prsm_jax.sweep(_MECHANISM, {"lead": [1e-3, 2e-3]}, [cost], findings=False)
+        np.testing.assert_allclose(data["cost"], [factor * 1e-3, factor * 2e-3], rtol=1e-14)
+
+
+def test_closures_of_one_name_as_objectives():
+    """The least (L − c)² is at the lead c."""
+
+    def distance_to(centre):
+        def distance(mechanism):
+            return (1e3 * (mechanism.stages[0].thread.lead - centre)) ** 2
+
+        return distance
+
+    for centre in (8e-3, 11e-3):
+        best = prsm_jax.optimise(
+            _MECHANISM,
+            {"lead": (5e-3, 20e-3)},
+            minimise=distance_to(centre),
+            respect_findings=False,
+            constraints={},
+            starts=1,
+        )
+        assert float(best.mechanism.stages[0].thread.lead) == pytest.approx(centre, rel=1e-5)
+        assert [one.quantity for one in best.problem.objectives] == ["distance"]
+
+
+def test_closures_of_one_name_in_one_problem_are_numbered():
+    from prsm_jax.optimisation._problem import problem_of
+
+    first, second = _objective(1.0), _objective(2.0)
+    bounds = {"lead": (5e-3, 20e-3)}
+    problem = problem_of(_MECHANISM, None, bounds, None, first, {second: (0.0, 1.0)})
+    assert [one.quantity for one in problem.objectives] == ["cost"]
+    assert [one.quantity for one in problem.constraints] == ["cost_2"]
+    again = copy.deepcopy(problem), pickle.loads(pickle.dumps(problem))
+    assert all(one.constraints[0].quantity == "cost_2" for one in again)
+
+
+def test_closures_of_one_name_with_tolerances():
+    zones = [prsm_jax.mechanism.Tolerance("lead", -1e-5, 1e-5)]
+    for factor in (2.0, 3.0):
+        found = prsm_jax.tolerance(
+            _MECHANISM,
+            [_objective(factor)],
+            method="first_order",
+            tolerances=zones,
+        )
+        assert found.quantities == ("cost",)
+        (method,) = found.methods.values()
+        assert float(method.estimates["cost"].mean) == pytest.approx(factor * _LEAD, rel=1e-12)
+
+
+def test_a_closure_is_not_kept():
+    cost = _objective(5.0)
+    assert float(prsm_jax.compute(_MECHANISM, [cost])["cost"]) == pytest.approx(5 * _LEAD)
+    alive = weakref.ref(cost)
+    del cost
+    gc.collect()
+    assert alive() is None
+    # Its unit and description are known, for results that were computed before.
+    assert find_quantity("cost").unit == "1"
+    with pytest.raises(prsm_jax.UnknownNameError, match="the function cost does not exist any"):
+        prsm_jax.compute(_MECHANISM, ["cost"])
+
+
+def test_functions_of_a_generator_exist_until_they_are_computed():
+    found = prsm_jax.compute(_MECHANISM, (_objective(factor) for factor in (2.0, 3.0)))
+    assert list(found) == ["cost", "cost_2"]
+    assert [float(one) for one in found.values()] == pytest.approx([2 * _LEAD, 3 * _LEAD])
+
+
+def test_a_closure_over_a_traced_number():
+    def value(factor):
+        return prsm_jax.compute(_MECHANISM, [_objective(factor)])["cost"]
+
+    factors = jnp.asarray([2.0, 3.0])
+    with jax.checking_leaks():
+        np.testing.assert_allclose(jax.vmap(value)(factors), factors * _LEAD, rtol=1e-15)
+        assert float(jax.grad(value)(2.0)) == pytest.approx(_LEAD, rel=1e-15)
+        assert float(jax.jit(value)(2.0)) == pytest.approx(2 * _LEAD, rel=1e-15)
+
+
+class _Priced:
+    def __init__(self, price):
+        self.price = price
+
+    def cost(self, mechanism):
+        return self.price * mechanism.stages[0].thread.lead
+
+
+def test_a_method_is_one_quantity_however_often_it_is_read():
+    one, other = _Priced(2.0), _Priced(3.0)
+    found = prsm_jax.compute(_MECHANISM, [one.cost, one.cost, other.cost])
+    assert list(found) == ["cost", "cost_2"]
+    assert [float(value) for value in found.values()] == pytest.approx([2 * _LEAD, 3 * _LEAD])
+
+
+def test_a_text_in_place_of_a_list():
+    for verb in (prsm_jax.compute, prsm_jax.sensitivity, prsm_jax.quantities.compute_coded):
+        expected = r"^quantities is the text 'efficiency'; give a list of names$"
+        with pytest.raises(ValueError, match=expected):
+            verb(_MECHANISM, "efficiency")
 
 
 _CELL = """
@@ -128,17 +269,17 @@ def test_a_definition_that_is_run_again_replaces_the_first(forgotten):
     scope: dict[str, Any] = {"__name__": "cell"}
     exec("def again(m): return m.stages[0].thread.lead", scope)
     assert float(prsm_jax.compute(_MECHANISM, [scope["again"]])["again"]) == _LEAD
-    assert not forgotten
     exec("def again(m): return 2 * m.stages[0].thread.lead", scope)
     assert float(prsm_jax.compute(_MECHANISM, [scope["again"]])["again"]) == 2 * _LEAD
-    # Programs that know the quantity by its name only must be compiled again.
-    assert len(forgotten) == 1
+    # Programs know a function itself.
+    assert not forgotten
     scope["quantity"] = prsm_jax.quantity
     for number in (1, 3):
         exec(_CELL.format(number), scope)
         value = prsm_jax.compute(_MECHANISM, ["of_a_cell"])["of_a_cell"]
         assert float(value) == pytest.approx(number * _LEAD)
-    assert len(forgotten) == 2
+    # Programs that know the quantity by its name only must be compiled again.
+    assert len(forgotten) == 1
 
 
 def test_a_quantity_of_the_catalogue_may_be_given_as_its_function():

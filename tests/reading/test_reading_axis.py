@@ -1,5 +1,6 @@
 """Pictures and tables of the axis in space, read back in SI."""
 
+import dataclasses
 import types
 from typing import Any
 
@@ -16,6 +17,7 @@ from reading_tables import assert_json, without_words
 from reading_units import numbers
 
 from prsm_jax.cli.verbs import _modal
+from prsm_jax.mechanism import ModalDamping
 from prsm_jax.report import axis_compliance_chart, axis_mode_shapes, nut_position_chart
 from prsm_jax.response import AxisCompliance
 from prsm_jax.vibration import Coordinate, ModeGroup, SpatialModes, Spring, SpringNetwork
@@ -168,6 +170,27 @@ def test_shapes_in_a_longitudinal_section(modes, name):
     chart.finish()
 
 
+def test_a_load_behind_the_mounting_of_the_nut_moves_by_itself(modes):
+    """Without a thrust tube, too, which draws it as with one."""
+    mechanism = scenes.example("actuator_axis")
+    axis = present(mechanism.axis)
+    load = dataclasses.replace(present(axis.load), tube_stiffness=None)
+    without = dataclasses.replace(mechanism, axis=dataclasses.replace(axis, load=load))
+
+    def drawn(one):
+        section = axis_mode_shapes(one, modes, energy=_ENERGY).axes[0]
+        return {
+            str(patch.get_label()): vertices_of(patch.get_path())
+            for patch in section.patches
+            if patch.get_label() in ("tube", "load")
+        }
+
+    expected = drawn(mechanism)
+    assert set(expected) == {"tube", "load"}
+    for name, vertices in drawn(without).items():
+        np.testing.assert_array_equal(vertices, expected[name])
+
+
 @reads("chart", "nut_position_chart")
 def test_numbers_against_the_position_of_the_nut():
     distance = np.linspace(0.05, 0.4, 9)
@@ -263,16 +286,24 @@ def _damping() -> Any:
 
 
 @pytest.mark.parametrize(
-    ("name", "damped"),
-    [("actuator_axis", False), ("actuator_axis", True), ("humanoid_leg", False)],
+    ("name", "damped", "law"),
+    [
+        ("actuator_axis", False, None),
+        ("actuator_axis", True, None),
+        ("humanoid_leg", True, ModalDamping(0.015)),
+        ("humanoid_leg", False, ModalDamping(0.015)),
+    ],
 )
-def test_the_verb_modal_in_space(run, monkeypatch, modes, name, damped):
+def test_the_verb_modal_in_space(run, monkeypatch, modes, name, damped, law):
     values = {
         name: float(made.odd(1e7 if unit == "N/m" else 100.0))
         for name, (_, unit) in _modal.AXIS_QUANTITIES.items()
     }
     found = object.__new__(_modal.Spatial)
-    found.mechanism, found.stage, found.modes = scenes.example(name), 1, modes
+    mechanism = scenes.example(name)
+    stage = dataclasses.replace(mechanism.stages[0], damping=law)
+    found.mechanism = dataclasses.replace(mechanism, stages=(stage,))
+    found.stage, found.modes = 1, modes
     found.elastic, found.held, found.axis = modes.elastic_modes(), modes, values
     found.damping, found.tilt = _damping() if damped else None, damped
     asked: list[tuple[Any, ...]] = []
@@ -351,7 +382,8 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes, name, damped):
         head = (*head, "damping %")
     printed.table(head, rows)
     if damped:
-        printed.row("Damping: friction of the sliding threads at the operating point, no other.")
+        other = "[stage.damping] of the file is not included" if law else "no other"
+        printed.row(f"Damping: friction of the sliding threads at the operating point, {other}.")
         printed.row("negative damping: a sentence")
     for quantity, (words, unit) in _modal.AXIS_QUANTITIES.items():
         printed.line(words, values[quantity], unit)

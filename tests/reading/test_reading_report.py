@@ -15,6 +15,7 @@ from expectations import reads
 from reading_tables import assert_cell, assert_table, html_tables
 from reading_units import assert_reads, numbers, to_si
 
+import prsm_jax as prsm
 from prsm_jax.dynamics import STEADY_RESULTS
 from prsm_jax.findings import StrengthCheck
 from prsm_jax.geometry import Finding, roller_clearance
@@ -27,7 +28,7 @@ from prsm_jax.report.document import (
     _mechanism_section,
     _strength_section,
 )
-from prsm_jax.report.document._analysis_sections import steady_section
+from prsm_jax.report.document._analysis_sections import steady_section, transient_section
 from prsm_jax.report.document._sections import report_sections
 from prsm_jax.report.motion_charts import histories
 from prsm_jax.report.results import STRENGTH
@@ -153,11 +154,12 @@ def test_summary(sections, data):
         (steady.efficiency, "1"),
         (steady.drive_torque, "N·m"),
     )
+    assert "and the torque at the screw " in _paragraph(section, "At ")
     (pair,) = data.contacts
     worst = max(float(side.hertz.max_pressure) for side in (pair.screw, pair.nut))
     # Of the most loaded thread, and of equal shares.
-    pressures = (data.shared[0].max_pressure, "Pa"), (worst, "Pa")
-    assert_reads(_paragraph(section, "The largest contact pressure"), *pressures)
+    pressures = (point.load, "N"), (data.shared[0].max_pressure, "Pa"), (worst, "Pa")
+    assert_reads(_paragraph(section, "The largest contact pressure at the load of"), *pressures)
     start = _paragraph(section, "The checks of the start found")
     assert_reads(start, (1, "", "whole"), (1, "", "whole"))
     # Errors first.
@@ -206,7 +208,7 @@ def test_mechanism(sections, actuator):
         "curvatures of the contact": stage.curvature,
     }
     found = dict(table.rows)
-    modulus, ratio = found.pop("Young's modulus, Poisson's ratio").split(", ")
+    modulus, ratio = found.pop("Young's modulus"), found.pop("Poisson's ratio")
     assert_reads(modulus, (stage.material.youngs_modulus, "Pa", "whole"))
     assert_reads(ratio, (stage.material.poisson_ratio, "", "whole"))
     assert_reads(found.pop("mass of a roller"), (body_mass(stage, "roller"), "kg"))
@@ -397,11 +399,45 @@ def test_where_the_nut_turns_its_speed_is_named(data):
     locked = dataclasses.replace(data, mechanism=leg, backward=made.steady(0, True), improved=None)
     section = present(steady_section(locked))
     cells = [row[0] for row in section.tables[0].rows]
-    assert {"efficiency, nut drives", "carrier speed over nut speed"} <= set(cells)
+    named = {"normal force of nut on one roller", "slip of nut on roller"}
+    assert {"efficiency, nut drives", "carrier speed over nut speed", *named} <= set(cells)
     assert any("the load alone does not turn the nut" in words for words in section.paragraphs)
-    assert "drives the screw" not in " ".join([*cells, *section.paragraphs])
-    (first, *_) = histories(leg, made.transient())
-    assert first.name == "nut speed"
+    said = " ".join([*cells, *section.paragraphs])
+    assert "drives the screw" not in said
+    assert "of screw" not in said
+    names = {one.name for one in histories(leg, made.transient())}
+    assert {"nut speed", "travel of the screw", "teeth of the screw on roller"} <= names
+    assert not [name for name in names if "last nut" in name or "ring gear" in name]
+    run = dataclasses.replace(data, mechanism=leg, transient=made.transient(1), improved=None)
+    (words,) = present(transient_section(run)).paragraphs
+    assert words.startswith("The nut runs at full speed from the start")
+
+
+def test_force_slip_and_torque_of_an_inverted_screw_that_runs_backward():
+    """They are those of the nut: the rollers roll on the screw, under 3 kN / 10 / 0.706 = 425 N.
+
+    Along the axis the nut slides at 50 turns/s times 5 mm. Its normal force, on flanks of 45° at a
+    14 mm radius, and 0.07 of it along the slip carry 300 N. The torque has the sign of the speed.
+    """
+    leg = prsm.set_parameter(scenes.example("humanoid_leg"), "speed", -100 * math.pi)
+    leg = prsm.set_parameter(leg, "load", -3000.0)
+    state = prsm.steady_state(leg)
+    data = ReportData(mechanism=leg, title="Leg", steady=state, forward=state, backward=state)
+    sections = {section.anchor: section for section in report_sections(data)}
+    cells = {row[0]: row[1] for row in sections["steady"].tables[0].rows}
+    (force,), (slip,) = (
+        numbers(cells[f"{words} roller"])
+        for words in ("normal force of nut on one", "slip of nut on")
+    )
+    assert (force.label, slip.label) == ("N", "mm/s")
+    axial, normal = 50 * 5 / slip.value, (2 + (5 / (2 * math.pi * 14)) ** 2) ** -0.5
+    assert force.value == pytest.approx(300 / (normal - 0.07 * axial), rel=3e-4)
+    loss = 10 * 0.07 * force.value * slip.value * 1e-3
+    lost = {row[0]: row[1] for row in sections["steady"].tables[1].rows}
+    assert float(lost["thread sliding"]) == pytest.approx(loss, rel=1e-3)
+    (words,) = [w for w in sections["summary"].paragraphs if w.startswith("At ")]
+    assert words.endswith(f" and the torque at the nut {cells['drive torque']}.")
+    assert cells["drive torque"].startswith(f"{_MINUS}2.899")
 
 
 def test_a_locked_mechanism_has_no_efficiency_of_the_load(data):
@@ -433,9 +469,38 @@ def test_a_locked_or_jammed_thread_says_what_it_is(data, name, words):
     assert cells["efficiency, screw drives"] == cells["efficiency, load drives"] == words
     first = next(p for p in sections["summary"].paragraphs if p.startswith("At "))
     assert f"the mechanism has no efficiency; {words}" in first
+    # A jammed thread moves nothing: its balance of forces has no solution.
+    lacking = [name for name, cell in cells.items() if cell == "–"]
+    forces = ["drive torque", "input power", "output power", "normal force of screw on one roller"]
+    assert lacking == ([*forces, "error of the power balance"] if name == "jammed" else [])
+    assert any("slip of screw on roller" in name for name in cells)
+    assert len(sections["steady"].tables) == (1 if name == "jammed" else 2)
+    assert bool(sections["steady"].pictures) == (name != "jammed")
     said = [cell for s in sections.values() for t in s.tables for row in t.rows for cell in row]
     said += [words for section in sections.values() for words in section.paragraphs]
     assert not [text for text in said if re.search(r"34(\.\d+)?\s%", text)]
+
+
+def test_without_a_load_drag_is_the_only_loss(data):
+    """All of the input goes into it, and forces and powers of 0 are in newtons and watts."""
+    name, *others = data.steady.losses
+    losses = {name: jnp.asarray(25.0), **dict.fromkeys(others, jnp.asarray(0.0))}
+    state = dataclasses.replace(
+        data.steady,
+        output_power=jnp.asarray(0.0),
+        input_power=jnp.asarray(25.0),
+        contact_force=jnp.zeros_like(data.steady.contact_force),
+        losses=losses,
+    )
+    point = dataclasses.replace(data.mechanism.operating_point, load=jnp.asarray(0.0))
+    mechanism = dataclasses.replace(data.mechanism, operating_point=point)
+    idle = dataclasses.replace(data, mechanism=mechanism, steady=state, improved=None)
+    section = next(s for s in report_sections(idle) if s.anchor == "steady")
+    cells, lost = {row[0]: row[1] for row in section.tables[0].rows}, section.tables[1].rows
+    assert cells["output power"].split() == ["0", "W"]
+    assert cells["input power"].split() == ["25.00", "W"]
+    assert cells["normal force of screw on one roller"].split() == ["0", "N"]
+    assert {row[1] for row in lost} == {"25.00", "0"}
 
 
 def test_sensitivities_of_a_locked_thread_and_at_a_kink(data):
@@ -471,7 +536,7 @@ def test_transient(sections, data):
         "efficiency at the start": (run.efficiency[0], "1"),
         "efficiency at the end": (run.efficiency[-1], "1"),
         "settling time (carriers within 1 %)": (settled, "s"),
-        "largest drive torque": (np.abs(torque).max(), "N·m"),
+        "largest magnitude of the drive torque": (np.abs(torque).max(), "N·m"),
         "drive torque at the end": (torque[-1], "N·m"),
         "solver": "Kvaerno5, 50 steps",
     }

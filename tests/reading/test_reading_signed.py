@@ -12,7 +12,7 @@ from reading_units import assert_reads
 import prsm_jax as prsm
 from prsm_jax.cli.verbs import _analyse, _demo
 from prsm_jax.findings import Finding, StrengthCheck
-from prsm_jax.report import Origin, ReportData
+from prsm_jax.report import MARGINS_IN_WORDS, Origin, ReportData
 from prsm_jax.report.document._sections import report_sections
 
 _CHECKS = (
@@ -25,8 +25,8 @@ _CHECKS = (
 )
 #: Label, and dimension of value and margin.
 _LABELS = {
-    "static_safety": "static safety",
-    "max_pressure": "contact pressure, equal sharing",
+    "static_safety": "static safety under the largest load",
+    "max_pressure": "contact pressure at the operating point, equal sharing",
     "rating_life": "rating life, with its factors",
     "screw_speed": "speed of the body that turns",
     "backlash": "backlash",
@@ -181,6 +181,8 @@ def test_strength(run, monkeypatch):
         if limit:
             assert_reads(cells[1].removeprefix(limit[0]), (limit[1], limit[2], "whole"))
             assert_reads(cells[2], margin)
+    # How margins follow from values and limits stands below the table.
+    printed.row(MARGINS_IN_WORDS)
     printed.finish()
 
 
@@ -195,6 +197,7 @@ def test_strength_of_a_file_without_limits(run, monkeypatch):
     words = " ".join(cell for cells in printed.lines for cell in cells)
     assert words.startswith("No checks: the file gives no limit. Give permissible_pressure")
     assert "Strength of" not in words
+    assert "margin" not in words
 
 
 @reads("verb", "report")
@@ -283,7 +286,7 @@ def test_checks_of_a_page_are_those_of_the_python_api(tmp_path):
     tables = dict(html_tables((out / "report.html").read_text()))
     rows = tables["Checks"][1:]
     by_label = {row[0]: row for row in rows}
-    assert_reads(by_label["static safety"][1], (60 / 7, ""))
+    assert_reads(by_label["static safety under the largest load"][1], (60 / 7, ""))
     life = 1e6 * (45 / 7) ** 3 * 2 * 3.141592653589793 / 100
     assert_reads(by_label["rating life, with its factors"][1], (life, "s"))
     content = json.loads((out / "report.json").read_text())

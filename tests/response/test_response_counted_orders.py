@@ -13,9 +13,11 @@ import numpy as np
 import pytest
 from scenes import example
 
+import prsm_jax as prsm
 from prsm_jax.response import excitation_orders, find_order
 from tests.present import present
 
+_CRITICAL = "lowest_critical_speed"
 #: Turns of the screw, enough for six digits: the time from the first to the last passing counts.
 _TURNS = 40.0
 _TIME = np.linspace(0.0, _TURNS, 400_001)
@@ -237,3 +239,20 @@ def test_the_rollers_threads_and_teeth_keep_step(scene):
     _, theta, _ = _seen_from(pitch_point, stage.roller_angle, stage.travel, centre)
     counted = _per_turn(np.sin(stage.roller_teeth * theta))
     assert float(find_order(orders, "ring_gear_mesh").order) == pytest.approx(counted, rel=1e-5)
+
+
+def test_a_ring_gear_of_another_number_of_teeth_meshes_at_its_own_order():
+    """The carrier passes all teeth of the ring gear in each of its turns, whatever the rollers'."""
+    mechanism = example("wu2022")
+    (stage,) = mechanism.stages
+    gear = dataclasses.replace(present(stage.gear), ring_teeth=jnp.asarray(77.0))
+    other = dataclasses.replace(stage, gear=gear)
+    mesh = find_order(excitation_orders(other, 0.375), "ring_gear_mesh")
+    assert (float(mesh.order), float(mesh.lobes)) == (77 * 0.375, 77.0)
+    speeds = [
+        float(prsm.compute(dataclasses.replace(mechanism, stages=(one,)), [_CRITICAL])[_CRITICAL])
+        for one in (stage, other)
+    ]
+    teeth = float(present(present(stage.gear).roller_teeth) * stage.thread.starts)
+    # The gear's stiffness hardly depends on the teeth of the ring, and the modes less.
+    assert speeds[1] / speeds[0] == pytest.approx(teeth / 77, rel=2e-3)

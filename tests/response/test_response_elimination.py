@@ -45,7 +45,7 @@ def test_a_singular_matrix_shows_in_its_pivots():
 
 
 def test_one_bad_design_of_a_batch_is_marked():
-    """Designs side by side: each is what it is alone; what is not a number is infinite."""
+    """Designs side by side: each is what it is alone; what is not a number is at no pole."""
     one, hertz = example("wu2022"), jnp.asarray([100.0, 5e3])
 
     def response(stiffness):
@@ -55,8 +55,8 @@ def test_one_bad_design_of_a_batch_is_marked():
 
     many = jax.jit(jax.vmap(response))
     values, at_pole = many(jnp.asarray([1e8, np.nan, 2e8]))
-    assert at_pole.tolist() == [[False] * 2, [True] * 2, [False] * 2]
-    assert np.isinf(np.real(np.asarray(values[1]))).all()
+    assert at_pole.tolist() == [[False] * 2] * 3
+    assert np.isnan(np.asarray(values[1])).all()
     others, at_pole = many(jnp.asarray([2e8, 1e8, 3e8]))
     assert not at_pole.any()
     np.testing.assert_array_equal(values[2], others[0])

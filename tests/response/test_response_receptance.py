@@ -1,5 +1,6 @@
 """Receptances: closed forms, two ways to one answer, reciprocity, power, poles."""
 
+import re
 from typing import Any
 
 import equinox as eqx
@@ -25,8 +26,10 @@ import prsm_jax as prsm
 from prsm_jax.mechanism import ModalDamping, RayleighDamping, StructuralDamping
 from prsm_jax.response import (
     Dissipation,
+    axis_compliance,
     dissipation,
     frequency_response,
+    mesh_response,
     receptance_matrix,
     spring_damping,
 )
@@ -318,3 +321,59 @@ def test_many_frequencies_are_solved_in_turns():
     few, _ = receptance_matrix(network, omega[-9:], ("screw u",), ("screw u",), LAWS["rayleigh"])
     # Batches of another size may be added up in another order.
     np.testing.assert_allclose(many[-9:], few, rtol=1e-11)
+
+
+@pytest.mark.usefixtures("unchecked")
+def test_a_number_is_one_frequency():
+    one = example("wu2022")
+    listed = response(one, "screw u", "nut u", [293.0])
+    for number in (293.0, 293, np.float64(293.0), jnp.asarray(293.0)):
+        found = response(one, "screw u", "nut u", number)
+        np.testing.assert_array_equal(found.value, listed.value)
+
+
+@pytest.mark.usefixtures("unchecked")
+@pytest.mark.parametrize(
+    ("frequency", "message"),
+    [
+        ([[293.0, 300.0]], r"frequency has the shape (1, 2); give one list of frequencies [Hz]"),
+        ([[293.0, 300.0], 1.0], "frequency is [[293.0, 300.0], 1.0]; give one list of frequencies"),
+        ([293 + 1j], "frequency is complex: (293+1j); give real numbers"),
+        (jnp.asarray([1j]), "frequency is complex: 1j; give real numbers"),
+        (["293 Hz"], "frequency is ['293 Hz']; give one list of frequencies [Hz]"),
+        ([293.0, np.nan], "frequency is nan at place 2; give finite numbers"),
+        ([np.inf, 293.0], "frequency is inf at place 1; give finite numbers"),
+        (np.nan, "frequency is nan at place 1; give finite numbers"),
+    ],
+)
+def test_frequencies_that_are_none_are_refused(frequency, message):
+    one = example("wu2022")
+    with pytest.raises(ValueError, match=re.escape(message)):
+        frequency_response(one, "screw u", "nut u", frequency)
+    with pytest.raises(ValueError, match=re.escape(message)):
+        axis_compliance(example("actuator_axis"), frequency)
+    words = message.replace("frequency", "speed").replace("frequencies", "speeds")
+    with pytest.raises(ValueError, match=re.escape(words.replace("Hz]", "rad/s]"))):
+        mesh_response(one, frequency)
+
+
+@pytest.mark.parametrize("method", ["direct", "modal"])
+def test_a_frequency_that_is_not_a_number_is_no_pole(method):
+    """It has no amplitude, and no verdict either."""
+    one = example("wu2022")
+
+    def of(hertz):
+        return response(one, "screw u", "nut u", hertz, method=method)
+
+    found = jax.jit(of)(jnp.array([np.nan, 293.0, np.inf]))
+    assert not found.at_pole.any()
+    assert np.isnan(found.magnitude).tolist() == [True, False, True]
+
+
+@pytest.mark.usefixtures("unchecked")
+def test_damping_that_is_a_number_is_refused_with_the_law():
+    one = example("wu2022")
+    with pytest.raises(ValueError, match=r"damping is 0\.02; give a law.*ModalDamping\(0\.02\)"):
+        frequency_response(one, "screw u", "nut u", [293.0], damping=0.02)  # pyright: ignore
+    with pytest.raises(ValueError, match="damping is 'modal'; give a law"):
+        frequency_response(one, "screw u", "nut u", [293.0], damping="modal")  # pyright: ignore[reportArgumentType]

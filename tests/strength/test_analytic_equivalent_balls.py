@@ -93,8 +93,12 @@ def test_ends_of_flanks_do_not_matter():
     sentences = prsm.assumptions(mechanism(cut), ["dynamic_capacity"])
     assert any("formula of ball screws" in one for one in sentences)
     assert not any("ellipse" in one for one in sentences)
-    assert _taken(cut) == "The static capacity and pressures"
-    assert _taken(_stage(Strength(material_factor=1.0))) == "Capacities, life and pressures"
+    assert _taken(cut) == (
+        "Pressures take this into account, but not the dynamic capacity of equivalent balls and "
+        "its life, nor the concentration of pressure at the edge"
+    )
+    by_lundberg = _stage(Strength(material_factor=1.0), addendum=0.05e-3, engaged_threads=20.0)
+    assert _taken(by_lundberg).startswith("The dynamic capacity, life and pressures take")
 
 
 @pytest.mark.parametrize("name", ["roller_profile_radius", "roller_radius", "contact_angle"])

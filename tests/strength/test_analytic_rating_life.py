@@ -109,10 +109,38 @@ def test_two_flanks_share_the_turning():
     both = spectrum([5e3, -5e3, 0.0], [10, 10, 0], np.ones(3))
     found = life(ONE, array(CAPACITY), both).revolutions
     np.testing.assert_allclose(found, 1e9 * 2**0.1, rtol=1e-13)
-    # Miner's sum counts the flank that is worse off.
+    # 20 turns use up their share of that life; both phases alike.
     np.testing.assert_allclose(
-        damage(ONE, array(CAPACITY), both), np.array([10.0, 0.0, 0.0]) / 1e9, rtol=1e-13
+        damage(ONE, array(CAPACITY), both), np.array([10.0, 10.0, 0.0]) / 1e9 * 2**-0.1, rtol=1e-13
     )
+
+
+@given(_LOADS, _TURNS)
+def test_damages_of_both_flanks_add_up_to_the_turns_over_the_life(load, turns):
+    """And a small phase more lowers the life by its damage: both are derivatives of the life."""
+    load = np.asarray(load) + np.where(np.abs(load) < 10, 100.0, 0.0)
+    one = spectrum(load, turns, np.ones(3))
+    shares = np.asarray(damage(ONE, array(CAPACITY), one))
+    lasts = float(life(ONE, array(CAPACITY), one).revolutions)
+    np.testing.assert_allclose(shares.sum(), np.sum(turns) / lasts, rtol=1e-11)
+
+    def used(factor):
+        more = np.asarray(turns) * np.array([factor, 1.0, 1.0])
+        lived = life(ONE, array(CAPACITY), spectrum(load, more, np.ones(3))).revolutions
+        return float(np.sum(more) / lived)
+
+    slope = (used(1 + 1e-4) - used(1 - 1e-4)) / 2e-4
+    # Of second order in a step of 1e-4, and rounding of 1e-16 of the sum over it.
+    np.testing.assert_allclose(shares[0], slope, rtol=1e-6, atol=1e-10 * shares.sum())
+
+
+def test_derivatives_of_the_damage_where_one_flank_or_none_is_loaded():
+    def total(load):
+        loads = array(load) * array([1.0, 1.0, 0.0])
+        return jnp.sum(damage(ONE, array(CAPACITY), spectrum(loads, [10, 10, 1], np.ones(3))))
+
+    assert float(jax.grad(total)(0.0)) == 0
+    np.testing.assert_allclose(jax.grad(total)(5e3), 3 * total(5e3) / 5e3, rtol=1e-12)
 
 
 def test_a_preload_loads_both_flanks_always():
@@ -261,6 +289,7 @@ MECHANICS = {
     "critical_speed",
     "axial_backlash",
     "lost_motion",
+    "preloaded_pressure",
     "preloaded_stiffness",
     "preload_torque",
 }

@@ -413,6 +413,34 @@ def test_stiffness_of_a_preloaded_pair():
     np.testing.assert_allclose(opened, np.sqrt(2) * one, rtol=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("arrangement", "share"), [("double_nut", 1.0), ("split_nut", 0.5)], ids=["nuts", "halves"]
+)
+@pytest.mark.parametrize("load", [0.0, 1.2e3, -1.2e3, 9e3])
+def test_pressure_of_preloaded_nuts_is_that_of_the_nut_that_carries_more(arrangement, share, load):
+    """Two springs k x^{3/2} in balance, by bisection; Hertz under the load of the stiffer-pressed.
+
+    Half of a split nut has half of the threads, so twice the force on each.
+    """
+    preload = 1e3
+    play = Strength(play=AxialPlay(preload_force=preload, arrangement=arrangement))
+    found = _pressure(mechanism(screwed(play), load=load))["preloaded_pressure"]
+    lower, upper = 0.0, 10.0
+    for _ in range(60):
+        moved = (lower + upper) / 2
+        balance = (1 + moved) ** 1.5 - max(1 - moved, 0.0) ** 1.5
+        lower, upper = (moved, upper) if balance < abs(load) / preload else (lower, moved)
+    carried = preload * (1 + lower) ** 1.5 / share
+    contact = stage_contact(screwed(None), array(carried))
+    expected = max(one.hertz.max_pressure for one in (contact.screw, contact.nut))
+    np.testing.assert_allclose(found, [expected], rtol=1e-12)
+    with pytest.raises(prsm.MissingDataError, match="not preloaded"):
+        prsm.compute(mechanism(screwed(Strength()), load=load), ["preloaded_pressure"])
+
+
+_pressure = eqx.filter_jit(lambda m: prsm.compute(m, ["preloaded_pressure"]))
+
+
 def test_preload_torque_is_that_of_both_senses():
     """The quantity solves both nuts' balance; efficiencies of the same threads give the same."""
     friction = Friction(thread=CoulombFriction(0.05))

@@ -39,7 +39,9 @@ def _actuator(**duty):
 
 
 #: What a preload makes; the actuator has none.
-PRELOADED = {"preload_opening_load", "preloaded_stiffness", "preload_torque"}
+PRELOADED = {
+    *("preload_opening_load", "preloaded_pressure", "preloaded_stiffness", "preload_torque"),
+}
 AVAILABLE = tuple(name for name in NAMES if name not in PRELOADED)
 
 

@@ -362,10 +362,17 @@ def test_defaults_come_from_the_file():
         ({"objectives": ["efficiency"]}, "objectives are efficiency; a front has two or three"),
         ({"objectives": ["efficiency", "mass"]}, "objectives name mass, which the study has no"),
         ({"points": 1}, "points is 1; give a whole number of 2 or more"),
+        # 1000³ designs of lead, contact angle and roller radius.
+        ({"points": 1000}, r"1e\+09 designs of 3 drivers; give at most 464"),
+        ({"front_points": 2}, "front_points is 2; give a whole number from 3 to 1000"),
+        ({"front_points": 1001}, "front_points is 1001; give a whole number from 3 to 1000"),
+        ({"starts": 0}, "starts is 0; give a whole number from 1 to 10000"),
         ({"without": ["spinn"]}, r"without names 'spinn', .* did you mean spin\?"),
     ],
 )
-def test_what_is_refused(given, message):
+def test_what_is_refused(given, message, monkeypatch):
+    """Before the map is computed, which takes a minute."""
+    monkeypatch.setattr("prsm_jax.studies._study.map_over_drivers", None)
     with pytest.raises(ValueError, match=message) as caught:
         study(scenes.example("actuator"), **given)
     assert isinstance(caught.value, UnknownNameError) == ("without" in given)

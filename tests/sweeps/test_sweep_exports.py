@@ -67,6 +67,33 @@ def test_csv(tmp_path, data, monkeypatch, piece):
     _check({str(name).partition(" [")[0]: table[name] for name in table}, data)
 
 
+def test_columns_of_a_store_are_in_the_order_of_the_sweep(tmp_path):
+    """Axes as given, then quantities as asked for, their derivatives, and codes.
+
+    A folder lists its files in another order.
+    """
+    base = scenes.mechanism(scenes.stage(geometry=scenes.thread(lead=20e-3)))
+    axes = {"roller_radius": [4e-3, 5e-3], "lead": [8e-3], "contact_angle": [0.7]}
+    asked = ["screw_radius", "roller_clearance", "nut_radius", "nut_speed"]
+    options = {"gradients": ["lead"], "findings": False}
+    for again in (False, True):
+        stored = sweep(base, axes, asked, **options, store=tmp_path / "s.zarr")
+        export(stored, tmp_path / "a.csv")
+        columns = [name.partition(" ")[0] for name in pandas.read_csv(tmp_path / "a.csv")]
+        assert columns == [
+            *axes,
+            *asked,
+            *(f"{name}_by_lead" for name in asked),
+            "failed",
+            "code",
+            "error",
+        ], again
+    in_memory = sweep(base, axes, asked, **options)
+    assert list(stored.data_vars) == list(in_memory.data_vars)
+    assert list(stored.coords) == list(in_memory.coords)
+    xarray.testing.assert_identical(stored.load(), in_memory)
+
+
 def test_excel(tmp_path, data):
     # A sentence that looks like a formula stays a sentence.
     export(data, tmp_path / "a.xlsx", ["threads share the load equally", "=1+1"])

@@ -11,9 +11,10 @@ from uncertainty_scenes import MECHANISM, TOLERANCES
 import prsm_jax as prsm
 from prsm_jax.findings import Margin, _margin
 from prsm_jax.mechanism import Constraint, DesignProblem, Objective, Tolerance, Variable
-from prsm_jax.uncertainty import PROBABILITIES
+from prsm_jax.uncertainty import PROBABILITIES, Estimate, MethodResult, ToleranceAnalysis
 
 LINEAR, QUADRATIC, PAIR = "uncertainty_linear", "uncertainty_quadratic", "uncertainty_pair"
+EPS = float(np.finfo(float).eps)
 
 
 def _run(quantities, **kwargs):
@@ -205,6 +206,51 @@ def test_the_joint_yield_of_two_limits():
     assert best.yield_error < 1e-3
 
 
+def _uniform_and_normal(limit, half_width, deviation):
+    """Share of a uniform number of ± half_width plus a normal number that lies below a limit.
+
+    The integral of Φ from 0 is z Φ(z) + φ(z), up to a constant.
+    """
+
+    def integral(z):
+        return z * ndtr(z) + math.exp(-0.5 * z**2) / math.sqrt(2 * math.pi)
+
+    ends = ((limit + half_width) / deviation, (limit - half_width) / deviation)
+    return deviation / (2 * half_width) * (integral(ends[0]) - integral(ends[1]))
+
+
+def test_first_order_keeps_the_distributions_of_the_tolerances():
+    """3 + 2 x + z with x uniform within ±0.3 and z normal: no normal distribution."""
+    rows = (dataclasses.replace(TOLERANCES[0], distribution="uniform"), TOLERANCES[2])
+    limits = {LINEAR: (None, 3.5), f"{PAIR}[1]": (-0.25, None)}
+    analysis = _run([LINEAR], tolerances=rows, limits=limits, method="first_order")
+    found = analysis[LINEAR]
+    # Mean, deviation and contributions do not depend on the distributions: 0.6²/3 + 0.2².
+    assert found.mean == pytest.approx(3.0, rel=1e-12)
+    assert found.standard_deviation == pytest.approx(0.4, rel=1e-12)
+    assert found.contributions == pytest.approx([0.75, 0.25], rel=1e-10)
+    expected = _uniform_and_normal(0.5, 0.6, 0.2)
+    # A normal distribution of the same deviation has 0.8944 there, 0.01 more.
+    assert abs(expected - ndtr(0.5 / 0.4)) > 0.01
+    assert found.yield_share is not None
+    assert found.yield_error is not None
+    assert 0 < found.yield_error < 1e-3
+    assert found.yield_share == pytest.approx(expected, abs=5 * found.yield_error)
+    for probability, quantile, error in zip(
+        PROBABILITIES, found.quantiles, found.quantile_errors, strict=True
+    ):
+        # The share below the quantile, with the density of about 1 / 1.2 at most.
+        below = _uniform_and_normal(quantile - 3.0, 0.6, 0.2)
+        assert below == pytest.approx(probability, abs=5 * error / 1.2 + 1e-4)
+    # One uniform number above a limit within its zone: (0.3 + 0.25) / 0.6.
+    other, whole = analysis[f"{PAIR}[1]"].yield_share, analysis.best.yield_share
+    assert other == pytest.approx(0.55 / 0.6, abs=1e-3)
+    assert other is not None
+    assert whole is not None
+    # Bonferroni: the shares outside of each limit add up at most.
+    assert found.yield_share + other - 1 - 1e-12 <= whole <= min(found.yield_share, other)
+
+
 def test_limits_of_the_design_problem_hold_unless_the_argument_has_others():
     problem = DesignProblem(
         (Variable("lead", 5e-3, 20e-3),),
@@ -247,3 +293,34 @@ def test_what_is_wrong_is_said_before_anything_is_computed(kwargs, message):
     with pytest.raises((ValueError, prsm.PrsmError), match=message) as error:
         _run(kwargs.pop("quantities", [LINEAR]), **kwargs)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("sampled", "deviation", "cell"),
+    [
+        # The mean of 4096 times 0.064, rounded, and the root mean square of those roundings.
+        (
+            Estimate(0.064 * (1 + EPS), 0.064 * EPS, (0.064,) * 5, None, (), 4e-18, 2e-18),
+            0.0,
+            "equal",
+        ),
+        (Estimate(0.064, 0.0, (0.064,) * 5, None, ()), 0.0, "equal"),
+        # Differences that are more than rounding are shown.
+        (Estimate(0.0641, 0.064 * EPS, (0.064,) * 5, None, ()), 0.0, "–"),
+        (Estimate(0.064, 0.064 * EPS, (0.064,) * 5, None, ()), 1e-6, "–"),
+        (Estimate(0.064, 1e-9, (0.064,) * 5, None, ()), 0.0, "mean +0.000 σ, σ -100.00 %"),
+        (Estimate(math.nan, math.nan, (math.nan,) * 5, None, ()), 0.0, "–"),
+    ],
+)
+def test_rounding_of_the_samples_is_no_scatter(sampled, deviation, cell):
+    first = Estimate(0.064, deviation, (0.064,) * 5, None, ())
+    methods = {
+        "first_order": MethodResult({"nut_outer_diameter": first}, None, None),
+        "monte_carlo": MethodResult({"nut_outer_diameter": sampled}, None, None, samples=4096),
+    }
+    text = ToleranceAnalysis(("nut_outer_diameter",), ("m",), (None,), (), (), methods).text()
+    rows = [line for line in text.splitlines() if line.startswith("nut_outer_diameter")]
+    assert rows[0].endswith(cell)
+    if cell == "equal":
+        assert "±" not in rows[1]
+        assert rows[1].split()[4:6] == ["64", "0"]

@@ -8,8 +8,7 @@ from ...findings import check_from, check_values, status_of, strength_checks_fro
 from ...mechanism import Mechanism, OperatingPoint
 from ...quantities import assumptions
 from .._app import app
-from .._assumed import STEADY
-from .._common import Common, checked, checked_numbers, emit, plain, save_tables
+from .._common import STEADY, Common, checked, checked_numbers, emit, plain, save_tables
 from .._programs import run_stored
 from .._progress import doing, expect_programs
 from .._tables import Line, TextTable, in_units, prose, terminal_width
@@ -57,7 +56,7 @@ def strength(file: str, *, common: Common = _DEFAULT) -> int:
     numbers = checked_numbers(mechanism)
     expect_programs("_values")
     doing("computing capacities and life")
-    from ...report import checks_table
+    from ...report import MARGINS_IN_WORDS, checks_table
 
     values = check_values(mechanism)
     checks = strength_checks_from(mechanism, numbers, values)
@@ -71,6 +70,8 @@ def strength(file: str, *, common: Common = _DEFAULT) -> int:
 
     def text() -> str:
         words = table.text(terminal_width()) if table.rows else ""
+        if any(one.margin is not None for one in checks):
+            words += prose(MARGINS_IN_WORDS)
         return words + (prose(_NO_CHECKS) if status == "no checks" else "")
 
     valid = emit(common, results, text, rests_on, findings)
@@ -127,12 +128,12 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
     pictures: tuple[Path, ...] = ()
     if common.out is None:
         results = told(plain(run_stored("steady", _steady, mechanism)))
-        tables = _steady_tables(file, results)
+        tables = _steady_tables(file, mechanism, results)
     else:
         expect_programs("steady_state")
         state = steady_state(mechanism)
         results = told(plain(steady_results(state, mechanism.operating_point)))
-        tables = _steady_tables(file, results)
+        tables = _steady_tables(file, mechanism, results)
         pictures = _steady_pictures(common.out, state) if results["valid"] else ()
         written = save_tables(common.out, "steady", results, tables, rests_on)
         results["pictures"], results["files"] = plain(pictures), plain(written)
@@ -167,19 +168,29 @@ _EFFICIENCY = {
 }
 
 
-def _steady_tables(file: str, results: dict[str, Any]) -> list[TextTable]:
+#: Results with numbers of forces and powers; others are of a state that does not exist.
+_WITH_NUMBERS = ("successful", "self_locking", "overlapping_rollers")
+
+
+def _steady_tables(file: str, mechanism: Mechanism, results: dict[str, Any]) -> list[TextTable]:
     efficiency = _EFFICIENCY.get(results["result"], "efficiency")
+
+    def known(value: float | None) -> float | None:
+        return value if results["result"] in _WITH_NUMBERS else None
+
     lines: list[Line] = [
-        (efficiency, results["efficiency"], "1", "efficiency"),
-        ("drive torque", results["drive_torque_nm"], "N·m"),
-        ("input power", results["input_power_w"], "W"),
-        ("output power", results["output_power_w"], "W"),
-        *((f"loss: {name}", power, "W") for name, power in results["losses_w"].items()),
-        ("power balance residual", results["power_balance_residual"], "1"),
+        (efficiency, known(results["efficiency"]), "1", "efficiency"),
+        ("drive torque", known(results["drive_torque_nm"]), "N·m"),
+        ("input power", known(results["input_power_w"]), "W"),
+        ("output power", known(results["output_power_w"]), "W"),
+        *((f"loss: {name}", known(power), "W") for name, power in results["losses_w"].items()),
+        ("power balance residual", known(results["power_balance_residual"]), "1"),
     ]
-    for number, (ratio, force) in enumerate(
-        zip(results["carrier_ratio"], results["contact_force_n"], strict=True), start=1
+    for number, (stage, ratio, force) in enumerate(
+        zip(mechanism.stages, results["carrier_ratio"], results["contact_force_n"], strict=True),
+        start=1,
     ):
+        body = stage.thread.family.turning
         lines.append((f"stage {number}: carrier ratio", ratio, "1"))
-        lines.append((f"stage {number}: contact force of one roller", force, "N"))
+        lines.append((f"stage {number}: normal force of {body} on one roller", known(force), "N"))
     return [TextTable(f"Steady state: {file}", ("", "", ""), in_units(lines))]

@@ -9,6 +9,7 @@ from ..._errors import PrsmError
 from ...mechanism import Mechanism, all_parameters
 from ...process import make_folder
 from ...quantities import assumptions, quantity_of
+from ...text import is_efficiency
 from .._app import app
 from .._common import Common, checked, emit, value_of, words_of, write_text
 from .._optimised import calibrated_text
@@ -40,13 +41,20 @@ def _bound(mechanism: Mechanism, text: str) -> tuple[str, tuple[float | None, fl
     def value(word: str) -> float | None:
         return value_of(mechanism, name, word, f"--bounds {text}") if word else None
 
-    return name, (value(lower), value(upper))
+    low, high = value(lower), value(upper)
+    if low is not None and high is not None and not low < high:
+        # Here, since messages of the calibration are in SI.
+        remedy = "; give an upper limit above the lower one"
+        if low > high:
+            remedy = f"; reverse them: {name}={upper}:{lower}"
+        raise PrsmError(f"--bounds {text}: {lower} is not below {upper}{remedy}")
+    return name, (low, high)
 
 
 def _deviation(text: str) -> tuple[str, float]:
     """`QUANTITY=VALUE`, the value with a unit of the quantity or bare in SI."""
     from ...fields import POSITIVE
-    from ...file.numbers import is_plain_number, read_number
+    from ...file.numbers import is_plain_number, read_number, refuse_shares
 
     name, equals, word = (part.strip() for part in text.partition("="))
     if not (name and equals and word):
@@ -55,6 +63,8 @@ def _deviation(text: str) -> tuple[str, float]:
         )
     unit = quantity_of(name).unit
     try:
+        if not is_efficiency(name):
+            refuse_shares(word)
         return name, read_number(float(word) if is_plain_number(word) else word, unit, POSITIVE)
     except ValueError as error:
         raise PrsmError(f"--deviations {text}: {error}") from error

@@ -25,8 +25,7 @@ from ...mechanism import Mechanism, Stage, material_of
 from ...quantities import assumptions
 from ...strength import SideOnset, side_onsets, truncated_pressure
 from .._app import app
-from .._assumed import CONTACT
-from .._common import Common, checked, emit, plain
+from .._common import CONTACT, Common, checked, emit, plain
 from .._programs import run_stored
 from .._progress import doing
 from .._tables import Line, in_units, table
@@ -281,13 +280,15 @@ def _lines_of_line(number: int, line: dict[str, Any] | None) -> list[Line]:
 def _lines_of_sharing(number: int, shared: dict[str, Any] | None) -> list[Line]:
     if shared is None:
         return []
+    # The stiffness goes to 0 with the load; at 0 the result has that of a trace of a load.
+    stiffness = shared["tangent_stiffness_n_per_m"] if shared["max_pressure_pa"] != 0 else 0.0
     lines: list[Line] = [
         ("largest over mean thread load, screw", shared["screw"]["thread_sharing_factor"], "1"),
         ("largest over mean thread load, nut", shared["nut"]["thread_sharing_factor"], "1"),
         ("largest over mean roller load", shared["screw"]["roller_sharing_factor"], "1"),
         ("largest pressure", shared["max_pressure_pa"], "Pa"),
         ("deflection", shared["deflection_m"], "m"),
-        ("axial stiffness dF/dx", shared["tangent_stiffness_n_per_m"], "N/m"),
+        ("axial stiffness dF/dx", stiffness, "N/m"),
     ]
     pressure = shared["whole_ellipse_max_pressure_pa"]
     if pressure != shared["max_pressure_pa"]:

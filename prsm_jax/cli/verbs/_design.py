@@ -10,6 +10,7 @@ from ...process import make_folder
 from ...quantities import assumptions
 from .._app import app
 from .._common import Common, checked, emit, words_of, write_text
+from .._counts import count
 from .._optimised import optimised_text
 from .._progress import counted, doing, expect_programs
 from .._tables import terminal_width
@@ -17,6 +18,13 @@ from .._tables import terminal_width
 _DEFAULT = Common()
 _FROM = "from `prsm quantities`, separated by commas."
 _NAMES = f"Names {_FROM}"
+_AvoidWarnings = Annotated[
+    bool,
+    Parameter(
+        negative="",
+        help="Warnings of `prsm check` are constraints, too (avoid_warnings in [optimise]).",
+    ),
+]
 
 
 @app.command
@@ -60,11 +68,12 @@ def optimise(
     method: Annotated[
         str | None, Parameter(help="auto, slsqp, trust-constr, lbfgs, adam or multi-start.")
     ] = None,
-    starts: Annotated[int | None, Parameter(help="Number of starts.")] = None,
+    starts: Annotated[int | None, count(1, 10_000, help="Number of starts.")] = None,
     keep_infeasible: Annotated[
         bool,
         Parameter(negative="", help="Write the best design found even if it breaks a limit."),
     ] = False,
+    avoid_warnings: _AvoidWarnings = False,
     common: Common = _DEFAULT,
 ) -> int:
     """Improve the design by the file's [optimise] table, and write the optimised file.
@@ -78,7 +87,14 @@ def optimise(
     expect_programs("compiled_derivatives")
     from ...optimisation import optimise as run_optimise
 
-    best = run_optimise(mechanism, method=method, starts=starts, progress=told_of_search)
+    best = run_optimise(
+        mechanism,
+        method=method,
+        starts=starts,
+        progress=told_of_search,
+        # The key of the file stays where the option is not given.
+        avoid_warnings=avoid_warnings or None,
+    )
     path = None
     if best.feasible or keep_infeasible:
         folder = Path("out/optimise") if common.out is None else common.out
@@ -112,10 +128,11 @@ def pareto(
     *,
     maximise: Annotated[str | None, Parameter(help=f"Quantities to maximise, {_FROM}")] = None,
     minimise: Annotated[str | None, Parameter(help=f"Quantities to minimise, {_FROM}")] = None,
-    points: Annotated[int | None, Parameter(help="Points of the front.")] = None,
+    points: Annotated[int | None, count(3, 1000, help="Points of the front.")] = None,
     starts: Annotated[
-        int | None, Parameter(help="Number of starts for the best of each objective.")
+        int | None, count(1, 10_000, help="Number of starts for the best of each objective.")
     ] = None,
+    avoid_warnings: _AvoidWarnings = False,
     common: Common = _DEFAULT,
 ) -> int:
     """The front of two or three objectives, with the variables and limits of [optimise].
@@ -139,6 +156,7 @@ def pareto(
         points=points,
         starts=starts,
         progress=lambda done, total: counted(done, total, "searches"),
+        avoid_warnings=avoid_warnings or None,
     )
     if common.out is not None and front.points:
         from ...report import front_chart, parallel_chart, save_figures

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from ..._errors import MissingDataError, PrsmError
 from ...mechanism import Mechanism, find_parameters, stage_at
-from ...quantities import assumptions, available_quantities, compute
+from ...quantities import AXIS_QUANTITIES, assumptions, available_quantities, compute
 from ...response import SpatialDamping, spatial_damping
 from ...vibration import (
     FAMILIES,
@@ -24,8 +24,8 @@ from ...vibration import (
     tilts,
 )
 from .._app import app
-from .._assumed import VIBRATION
-from .._common import Common, checked, emit, value_of
+from .._common import VIBRATION, Common, checked, emit, value_of
+from .._counts import MOST_VALUES, count
 from .._progress import doing, expect_programs
 from .._tables import in_units, prose, table
 
@@ -34,16 +34,6 @@ _DEFAULT = Common()
 _POINTS = 201
 #: If the largest value is at least this many times the smallest, values are spaced in equal ratios.
 _WIDE = 50.0
-#: Quantities of the axis: labels of the table, and names of the JSON without their unit.
-AXIS_QUANTITIES = {
-    "first_axial_frequency": ("first axial frequency", "Hz"),
-    "first_torsional_frequency": ("first torsional frequency", "Hz"),
-    "first_transverse_frequency": ("first transverse frequency", "Hz"),
-    "antiresonance_frequency": ("anti-resonance, motor held", "Hz"),
-    "position_loop_frequency": ("position loop", "Hz"),
-    "servo_stiffness": ("servo stiffness at the load", "N/m"),
-    "held_motor_stiffness": ("stiffness with the motor held", "N/m"),
-}
 _KEYS = {"Hz": "hz", "N/m": "n_per_m"}
 #: Of the table of modes in space.
 _COLUMNS = ("family", "f Hz", "times")
@@ -108,8 +98,6 @@ def _values(
     if find_parameters(mechanism, against)[0].static:
         step = 1 if ends[1] > ends[0] else -1
         return np.arange(ends[0], ends[1] + step, step)
-    if points < 3:
-        raise PrsmError(f"--points {points}: must be at least 3")
     if min(ends) > 0 and max(ends) >= _WIDE * min(ends):
         return np.geomspace(ends[0], ends[1], points)
     return np.linspace(ends[0], ends[1], points)
@@ -140,7 +128,7 @@ def _pictures(
 def modal(
     file: str,
     *,
-    stage: Annotated[int, Parameter(help="Which stage, counted from 1.")] = 1,
+    stage: Annotated[int, count(1, help="Which stage, counted from 1.")] = 1,
     shapes: Annotated[
         bool, Parameter(negative="", help="Mode shapes and energy shares in the JSON, too.")
     ] = False,
@@ -159,7 +147,9 @@ def modal(
     last: Annotated[
         str | None, Parameter(name="--to", allow_leading_hyphen=True, help="Last value.")
     ] = None,
-    points: Annotated[int, Parameter(help="Number of values, both ends included.")] = _POINTS,
+    points: Annotated[
+        int, count(3, MOST_VALUES, help="Number of values, both ends included.")
+    ] = _POINTS,
     spatial: Annotated[
         bool,
         Parameter(
@@ -365,7 +355,9 @@ def spatial_text(found: Spatial, file: str) -> str:
         ]
     lines = table(title, list(columns), rows)
     if damping is not None:
-        lines += prose("Damping: friction of the sliding threads at the operating point, no other.")
+        given = stage_at(found.mechanism, found.stage).damping is not None
+        other = "[stage.damping] of the file is not included" if given else "no other"
+        lines += prose(f"Damping: friction of the sliding threads at the operating point, {other}.")
         if damping.result_name != "successful":
             lines += prose(damping.result)
     if found.axis:

@@ -21,8 +21,8 @@ from ...mechanism import Mechanism
 from ...programs import one_program_where_possible
 from ...quantities import assumptions
 from .._app import app
-from .._assumed import TRANSIENT
-from .._common import Common, checked, emit
+from .._common import TRANSIENT, Common, checked, emit
+from .._counts import MOST_VALUES, count
 from .._progress import doing, expect_programs
 from .._tables import Line, in_units, prose, table
 
@@ -125,7 +125,15 @@ def _summary(run: Transient) -> dict[str, Any]:
     return {"duration_s": run.time[-1] - run.time[0], **_numbers(run)}
 
 
-def _mission(summary: dict[str, Any], turning: str) -> list[Line]:
+def _takes_power(run: Transient) -> np.ndarray:
+    """Whether power goes in at each time, from the drive or from the load."""
+    load_power = 0.0 if run.load_power is None else np.asarray(run.load_power)
+    return (np.asarray(run.drive_torque * run.screw_speed) > 0) | (load_power < 0)
+
+
+def _mission(run: Transient, summary: dict[str, Any], turning: str) -> list[Line]:
+    # Without input work its ratio to the output is 0/0.
+    efficiency = summary["mission_efficiency"] if _takes_power(run).any() else None
     return [
         ("duration", summary["duration_s"], "s"),
         ("peak drive torque", summary["peak_drive_torque_nm"], "N·m"),
@@ -136,7 +144,7 @@ def _mission(summary: dict[str, Any], turning: str) -> list[Line]:
         ("energy from the drive", summary["drive_energy_j"], "J"),
         ("energy to the load", summary["load_energy_j"], "J"),
         ("energy lost", summary["loss_energy_j"], "J"),
-        ("efficiency over the mission", summary["mission_efficiency"], "1", "efficiency"),
+        ("efficiency over the mission", efficiency, "1", "efficiency"),
     ]
 
 
@@ -148,7 +156,8 @@ def simulate(
         MethodName, Parameter(help="Method for the motion of the carriers over time.")
     ] = "auto",
     samples: Annotated[
-        int | None, Parameter(help="Number of points in time; default the file's, or 201.")
+        int | None,
+        count(2, MOST_VALUES, help="Number of points in time; default the file's, or 201."),
     ] = None,
     rtol: Annotated[
         float | None,
@@ -158,7 +167,7 @@ def simulate(
         float | None, Parameter(help="Absolute tolerance of the steps; default 1e-10.")
     ] = None,
     max_steps: Annotated[
-        int | None, Parameter(help="Largest number of steps; default 4096.")
+        int | None, count(1, 2**31 - 1, help="Largest number of steps; default 4096.")
     ] = None,
     animation: Annotated[
         bool, Parameter(help="With --out: an animated GIF of the stages in motion.")
@@ -180,11 +189,16 @@ def simulate(
 
     def text() -> str:
         turning = mechanism.stages[0].thread.family.turning
-        mission = in_units(_mission(results["summary"], turning))
+        mission = in_units(_mission(run, results["summary"], turning))
         words = table(f"Transient: {file}", ("", "", ""), mission)
         if _moves_at_an_end(run):
             words += table("", ("", "start", "end"), _ends(run))
         words += prose(_solver(results["solver"]))
+        if run.sticking is None and not np.any(np.asarray(run.screw_speed)):
+            words += prose(
+                f"The {turning} stands still: torques are those that hold the load without thread "
+                "friction; prsm steady gives those of the motion that is about to begin."
+            )
         return words + (f"{len(pictures)} pictures in {common.out}" if pictures else "")
 
     results["valid"] = bool(run.solver.code == 0)
@@ -198,9 +212,12 @@ def _moves_at_an_end(run: Transient) -> bool:
     return bool(speed[[0, -1]].max() > 1e-9 * speed.max())
 
 
-def _ends(run: Transient) -> list[tuple[str, float, float]]:
-    rows = [
-        ("efficiency %", 100 * float(run.efficiency[0]), 100 * float(run.efficiency[-1])),
+def _ends(run: Transient) -> list[tuple[str, float | None, float | None]]:
+    # The history has 0 in place of 0/0. At standstill it has that of the motion about to begin.
+    has_one = _takes_power(run) | np.asarray((run.efficiency != 0) | (run.drive_torque != 0))
+    efficiencies = [100 * float(run.efficiency[k]) if has_one[k] else None for k in (0, -1)]
+    rows: list[tuple[str, float | None, float | None]] = [
+        ("efficiency %", efficiencies[0], efficiencies[1]),
         ("drive torque N·m", float(run.drive_torque[0]), float(run.drive_torque[-1])),
     ]
     for number, ratios in enumerate(run.carrier_ratio, start=1):

@@ -12,6 +12,7 @@ from ...mechanism import Mechanism
 from ...process import folder_for_results
 from .._app import app
 from .._common import Common, checked, emit, plain, value_of, words_of
+from .._counts import MOST_VALUES, count
 from .._progress import Counter, clear, counted, doing, expect_programs
 from .._tables import terminal_width
 
@@ -81,8 +82,8 @@ def study(
         str | None,
         Parameter(help="Two or three quantities: objectives of the front. Default: the first two."),
     ] = None,
-    points: Annotated[int, Parameter(help="Values of every driver in the map.")] = 7,
-    front_points: Annotated[int, Parameter(help="Points of the front.")] = 11,
+    points: Annotated[int, count(2, MOST_VALUES, help="Values of every driver in the map.")] = 7,
+    front_points: Annotated[int, count(3, 1000, help="Points of the front.")] = 11,
     without: Annotated[
         str | None,
         Parameter(
@@ -92,7 +93,7 @@ def study(
         ),
     ] = None,
     starts: Annotated[
-        int | None, Parameter(help="Number of starts for the best of each objective.")
+        int | None, count(1, 10_000, help="Number of starts for the best of each objective.")
     ] = None,
     common: Common = _DEFAULT,
 ) -> int:

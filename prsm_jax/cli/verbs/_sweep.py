@@ -1,6 +1,7 @@
 """The verb `sweep`: quantities at many designs, into a store that a later run continues."""
 
 import dataclasses
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -22,12 +23,11 @@ from ...sweeps import (
 )
 from .._app import app
 from .._common import Common, checked, emit, value_of, words_of
+from .._counts import MOST_DESIGNS, count
 from .._progress import Counter, clear, doing, expect_programs
 from .._tables import prose
 
 _DEFAULT = Common()
-#: Values of an axis, and designs between limits: they are in memory at once.
-_MOST = 100_000_000
 #: Plans between two limits on every axis.
 _SAMPLED = ("lhs", "sobol")
 
@@ -53,8 +53,8 @@ def _axis(mechanism: Mechanism, text: str, plan: str) -> tuple[str, np.ndarray]:
         return name, np.asarray([value(parts[0]), value(parts[1])])
     digits = parts[2].strip() if len(parts) == 3 else ""
     # Python converts no number of thousands of digits.
-    if digits.isdigit() and (len(digits) > len(str(_MOST)) or int(digits) > _MOST):
-        raise PrsmError(f"--axis {name}: the count is above {_MOST}; give fewer values")
+    if digits.isdigit() and (len(digits) > len(str(MOST_DESIGNS)) or int(digits) > MOST_DESIGNS):
+        raise PrsmError(f"--axis {name}: the count is above {MOST_DESIGNS}; give fewer values")
     if not digits.isdigit() or int(digits) < 2:
         raise PrsmError(
             f"--axis {text}: a range is FIRST:LAST:COUNT with a count of at least 2, such as "
@@ -63,6 +63,10 @@ def _axis(mechanism: Mechanism, text: str, plan: str) -> tuple[str, np.ndarray]:
     return name, np.linspace(value(parts[0]), value(parts[1]), int(digits))
 
 
+#: Numbers of the operating point, and quantities that follow from the duty cycle in their place;
+#: rating lives, which have the assumption `life_theory`, do so, too.
+_OPERATING = ("load", "speed")
+_OF_CYCLE = ("equivalent_load", "equivalent_speed", "duty_efficiency")
 #: Quantities of a sweep if none are named.
 _QUANTITIES = "efficiency,max_pressure"
 
@@ -86,6 +90,12 @@ def _shard(text: str | None) -> tuple[int, int] | None:
     if not (slash and first.strip().isdigit() and second.strip().isdigit()):
         raise PrsmError(f"--shard {text}: must be I/N with 1 ≤ I ≤ N, such as 3/16")
     return int(first), int(second)
+
+
+def _exported(name: str, folder: Path | None) -> Path:
+    """Where a file of `--export` is written: a bare name belongs to the folder of `--out`."""
+    path = Path(name)
+    return folder / path if folder is not None and os.path.basename(name) == name else path
 
 
 def _listed(counts: dict[str, int]) -> str:
@@ -122,11 +132,17 @@ def sweep(
             "and so on. lhs (Latin hypercube) and sobol: --points designs between the limits."
         ),
     ] = "grid",
-    points: Annotated[int | None, Parameter(help="Number of designs of lhs and sobol.")] = None,
-    seed: Annotated[int, Parameter(help="Seed of lhs and sobol.")] = 0,
+    points: Annotated[
+        int | None, count(1, MOST_DESIGNS, help="Number of designs of lhs and sobol.")
+    ] = None,
+    seed: Annotated[int, count(0, help="Seed of lhs and sobol.")] = 0,
     chunk: Annotated[
         int | None,
-        Parameter(help="Largest number of designs in a block; default by number and memory."),
+        count(
+            1,
+            MOST_DESIGNS,
+            help="Largest number of designs in a block; default by number and memory.",
+        ),
     ] = None,
     constraints: Annotated[
         bool,
@@ -161,9 +177,11 @@ def sweep(
         Parameter(help="Address of a Dask scheduler, whose workers compute and write the blocks."),
     ] = None,
     export: Annotated[
-        list[Path] | None,
+        list[str] | None,
         Parameter(
-            negative="", help="Write a FILE.csv, .xlsx, .parquet or .nc as well. May be repeated."
+            negative="",
+            help="Write a FILE.csv, .xlsx, .parquet or .nc as well: into --out, if it is given and "
+            "FILE names no folder. May be repeated.",
         ),
     ] = None,
     common: Common = _DEFAULT,
@@ -182,17 +200,15 @@ def sweep(
         raise PrsmError("--collect and --shard cannot be combined; run --collect after all shards")
     if scheduler is not None and (part is not None or collect):
         raise PrsmError("--scheduler computes the whole sweep; leave out --shard and --collect")
-    files = export or []
+    files = [_exported(name, common.out) for name in export or []]
     if part is not None and files:
         raise PrsmError(
             "--shard and --export cannot be combined; run --collect with --export after all shards"
         )
     if not (axis or collect):
         raise PrsmError("--axis is missing; give at least one, such as --axis 'lead=5 mm:15 mm:11'")
-    if points is not None and points > _MOST:
-        raise PrsmError(f"--points {points}: is above {_MOST}; give fewer designs")
-    for path in files:
-        check_export(path)
+    for name in export or []:
+        check_export(name)
     mechanism = common.load(file)
     axes = _axes(mechanism, axis or [], plan)
     asked = words_of(_QUANTITIES if quantities is None else quantities) or []
@@ -237,6 +253,11 @@ def sweep(
     missing, reasons, errors = count_codes(data)
     failed = sum(reasons.values())
     rests_on = assumptions(mechanism, names)
+    if unmoved := _of_duty_cycle(mechanism, data, names):
+        _tell(
+            f"{', '.join(unmoved)}: of the duty cycle in the file, which load and speed of the "
+            "operating point do not change"
+        )
     for path in files:
         doing(f"writing {path.name}")
         run_export(data, path, rests_on)
@@ -271,9 +292,27 @@ def sweep(
         "valid": failed < total - missing,
     }
     if common.out is not None and not missing and total > 1 and failed < total:
+        # Limits that --no-constraints leaves out on purpose are not missed.
+        missed = {one.quantity for one in limits} - {one.quantity for one in drawn}
+        if constraints and missed:
+            _tell(
+                f"pictures have no limits of {', '.join(sorted(missed))}, which the sweep has not "
+                "computed"
+            )
         results["pictures"] = _save_pictures(common.out, mechanism, data, asked, drawn)
     emit(common, results, text, rests_on)
     return 0
+
+
+def _of_duty_cycle(mechanism: Mechanism, data: Any, names: list[str]) -> list[str]:
+    """Quantities that follow from the duty cycle alone, in a sweep over the operating point."""
+    moved = {str(axis).removeprefix("operating_point.") for axis in data.coords}
+    if mechanism.duty_cycle is None or moved.isdisjoint(_OPERATING):
+        return []
+    lives = {one.name for one in catalogue() if "life_theory" in one.assumes}
+    # A capacity has the same assumption.
+    lives.discard("dynamic_capacity")
+    return [name for name in names if name in _OF_CYCLE or name in lives]
 
 
 def _limited(mechanism: Mechanism, asked: list[str]) -> list[str]:
@@ -287,7 +326,7 @@ def _limited(mechanism: Mechanism, asked: list[str]) -> list[str]:
 def _save_pictures(
     folder: Path, mechanism: Mechanism, data: Any, names: list[str], limits: list[Constraint]
 ) -> list[str]:
-    """Write a picture of each quantity; stderr names missing pictures and limits."""
+    """Write a picture of each quantity; stderr names missing pictures, and limits elsewhere."""
     from ...report import save_figure, sweep_figure
 
     doing("drawing")
@@ -295,12 +334,6 @@ def _save_pictures(
     senses: dict[str, Literal["maximise", "minimise"]] = {}
     if problem is not None:
         senses = {one.quantity: one.sense for one in problem.objectives}
-        lacking = {one.quantity for one in problem.constraints} - {one.quantity for one in limits}
-        if lacking:
-            _tell(
-                f"pictures have no limits of {', '.join(sorted(lacking))}, which the sweep has not "
-                "computed"
-            )
         if limits and (problem.nut_speed is not None or problem.operating_points):
             _tell(
                 "limits are drawn at the operating point of the sweep, not at the "

@@ -9,6 +9,7 @@ from ...mechanism import Mechanism
 from ...quantities import assumptions
 from .._app import app
 from .._common import Common, checked, emit, words_of
+from .._counts import MOST_DESIGNS, count
 from .._progress import clear, counted, expect_programs
 from .._tables import terminal_width
 
@@ -37,9 +38,10 @@ def tolerance(
         str, Parameter(help="first_order, second_order, monte_carlo or all.")
     ] = "all",
     samples: Annotated[
-        int, Parameter(help="Designs of Monte Carlo, rounded up to 8 times a power of 2.")
+        int,
+        count(16, MOST_DESIGNS, help="Designs of Monte Carlo, rounded up to 8 times a power of 2."),
     ] = 4096,
-    seed: Annotated[int, Parameter(help="Seed of Monte Carlo.")] = 0,
+    seed: Annotated[int, count(0, help="Seed of Monte Carlo.")] = 0,
     wanted_yield: Annotated[
         float | None,
         Parameter(help="Find the tolerances of least cost for this share, such as 0.99."),

@@ -21,13 +21,13 @@ from ...response import (
 )
 from ...vibration import Modes, modal as run_modal
 from .._app import app
-from .._assumed import CRITICAL_SPEEDS, VIBRATION
-from .._common import Common, checked, emit, words_of
+from .._common import CRITICAL_SPEEDS, VIBRATION, Common, checked, emit, words_of
+from .._counts import MOST_VALUES, count
 from .._progress import expect_programs
 from .._tables import prose, table
 
 _DEFAULT = Common()
-_Stage = Annotated[int, Parameter(help="Which stage, counted from 1.")]
+_Stage = Annotated[int, count(1, help="Which stage, counted from 1.")]
 _frequency_response = one_program_where_possible(frequency_response)
 _modes = one_program_where_possible(run_modal)
 _campbell = one_program_where_possible(run_campbell)
@@ -35,8 +35,6 @@ _campbell = one_program_where_possible(run_campbell)
 
 def _range(modes: Modes, fmin: float | None, fmax: float | None, points: int) -> np.ndarray:
     """Frequencies on a logarithmic axis, from below the first elastic mode to above the last."""
-    if points < 2:
-        raise PrsmError(f"--points {points}: must be at least 2")
     natural = np.asarray(modes.frequencies)
     elastic = natural[np.asarray(modes.families) != "rigid"]
     first = elastic.min() / 3 if fmin is None else fmin
@@ -95,7 +93,9 @@ def response(
     ] = "nut u",
     fmin: Annotated[float | None, Parameter(help="Lowest frequency in Hz.")] = None,
     fmax: Annotated[float | None, Parameter(help="Highest frequency in Hz.")] = None,
-    points: Annotated[int, Parameter(help="Number of frequencies, spaced in equal ratios.")] = 2001,
+    points: Annotated[
+        int, count(2, MOST_VALUES, help="Number of frequencies, spaced in equal ratios.")
+    ] = 2001,
     kind: Annotated[Kind, Parameter(help="Displacement, velocity or acceleration.")] = "receptance",
     ratio: Annotated[
         float | None,
@@ -227,7 +227,7 @@ def campbell(
         float | None,
         Parameter(help="Highest screw speed in rpm; default 1.5 times the operating speed."),
     ] = None,
-    harmonics: Annotated[int, Parameter(help="Number of harmonics of each order.")] = 3,
+    harmonics: Annotated[int, count(1, 1000, help="Number of harmonics of each order.")] = 3,
     orders: Annotated[
         str | None, Parameter(help="Names of orders, separated by commas; default all.")
     ] = None,
@@ -271,7 +271,8 @@ def campbell(
         lines = table(title, columns, rows) if rows else f"{title}\nnone\n"
         orders = ", ".join(f"{one.name} {float(one.order):.5g}" for one in diagram.orders)
         ratio = f"carrier ratio {float(diagram.carrier_ratio):.6g}"
-        lines += prose(f"{ratio}; orders per turn of the screw: {orders}")
+        turning = mechanism.stages[stage - 1].thread.family.turning
+        lines += prose(f"{ratio}; orders per turn of the {turning}: {orders}")
         return lines + ("" if picture is None else f"picture: {picture}")
 
     results = campbell_results(diagram, speed, stage)

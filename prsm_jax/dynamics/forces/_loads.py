@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..._errors import MissingDataError
 from ...fields import Scalar
 from ...mechanism import Mechanism
 from ...programs import physics
@@ -100,9 +101,19 @@ def bound_scenario(mechanism: Mechanism, scenario: Scenario) -> Scenario:
 
     - `mechanism`: its leads convert rotation into travel.
     - `scenario`: prescribed speed and load.
+
+    **Raises:** `MissingDataError` for a load that depends on the motion of a nut whose travel
+    depends on friction (differential roller screws).
     """
     if not (callable(scenario.load) and depends_on_motion(scenario.load)):
         return scenario
+    for stage in mechanism.stages:
+        if not stage.thread.family.lead_is_fixed:
+            raise MissingDataError(
+                "scenario.load depends on the motion of the nut, which in a roller screw of type "
+                f"{stage.thread.type!r} is not determined by the turns of the screw: friction "
+                "changes its travel; give the load as a number or a function of time"
+            )
     travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
     angle = None
     if callable(scenario.speed):

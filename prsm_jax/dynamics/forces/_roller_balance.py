@@ -1,9 +1,12 @@
 """Forces on one roller from ring gear and carriers, by Newton's law."""
 
+import contextlib
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array
 
+from ..._errors import MissingDataError
 from ...fields import Scalar
 from ...mechanism import Gear, Stage, body_inertia, mean_roller_inertia, mean_roller_mass
 from ...numerics import root_or_zero
@@ -60,9 +63,8 @@ def roller_support_forces(
         carrier_acceleration = state.flank_sign * carrier_acceleration
     nut_force = forces.nut_contact_force * kinematics.rolling.normal
     on_roller = forces.screw_on_roller + nut_force
-    mass_known = stage.roller.mass is not None or stage.roller.length is not None
     inward = jnp.zeros_like(forces.contact_force)
-    if mass_known:
+    with contextlib.suppress(MissingDataError):
         mass = mean_roller_mass(stage)
         inward = -mass * motion.carrier_speed**2 * thread.centre_distance
     pin_tangential = jnp.zeros_like(inward)

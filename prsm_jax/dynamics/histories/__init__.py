@@ -19,6 +19,7 @@ from ._transient_result import (
     code_of_finite as code_of_finite,
     finite_row as finite_row,
     histories as histories,
+    judged_by_input as judged_by_input,
     prescribed as prescribed,
     rows_of as rows_of,
     transient_of as transient_of,

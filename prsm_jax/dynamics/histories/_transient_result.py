@@ -132,12 +132,14 @@ class Transient(DesignResult):
     """Time histories; stage × time where a stage is concerned."""
 
     time: Annotated[Float[Array, " times"], In("s")]
+    #: Speed of the body that turns: first screw, or nut of an inverted roller screw [rad/s].
     screw_speed: Annotated[Float[Array, " times"], In("rad/s")]
     carrier_speed: Annotated[Float[Array, "stages times"], In("rad/s")]
     #: ω/Ω; 0 while the screw stands still.
     carrier_ratio: Annotated[Float[Array, "stages times"], In("1")]
     efficiency: Float[Array, " times"]
     drive_torque: Annotated[Float[Array, " times"], In("N·m")]
+    #: Normal force of the body that turns on one roller, all its threads together [N].
     contact_force: Annotated[Float[Array, "stages times"], In("N")]
     screw_roller_axial_force: Annotated[Float[Array, "stages times"], In("N")]
     ring_gear_force: Annotated[Float[Array, "stages times"], In("N")]
@@ -152,10 +154,10 @@ class Transient(DesignResult):
     newton_residual: Float[Array, "stages times"]
     #: Acceleration of the carriers ω̇ [rad/s²].
     carrier_acceleration: Float[Array, "stages times"]
-    #: Load on the last nut [N].
+    #: Load on the last nut, or on the screw if the nut turns [N].
     load: Annotated[Float[Array, " times"], In("N")]
-    #: Unit vector of the slip of the screw over the roller, in the carrier's frame: radial,
-    #: tangential, axial; without slip that of impending motion, if any.
+    #: Unit vector of the slip of the body that turns over the roller, in the carrier's frame:
+    #: radial, tangential, axial; without slip that of impending motion, if any.
     slip_direction: Float[Array, "stages times 3"]
     solver: SolverReport
     #: Ω̇ [rad/s²]; `None` for a constant speed.
@@ -241,6 +243,19 @@ def code_of_finite(code: Int[Array, ""], finite: Bool[Array, " times"]) -> Int[A
     because a method gave up, which has its own code.
     """
     return jnp.where(~finite[0] | ((code == 0) & ~finite.all()), _NOT_FINITE, code)
+
+
+def judged_by_input(run: Transient, scenario: Scenario) -> Transient:
+    """The transient with the code of non-finite numbers if a function of the scenario gives one.
+
+    Under a prescribed speed neither speed nor load depends on what a method makes of them.
+    """
+    if not (callable(scenario.speed) or callable(scenario.load)):
+        return run
+    given = jnp.isfinite(run.screw_speed + run.load).all()
+    code = run.solver.code
+    code = jnp.where(given | (code >= _OVERLAPPING), code, _NOT_FINITE)
+    return eqx.tree_at(lambda run: run.solver.code, run, code)
 
 
 def rows_of(

@@ -4,9 +4,13 @@ The words that `simulate` also takes (`"rosenbrock"`, …) stand for such object
 """
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 
 import equinox as eqx
+import numpy as np
+from jax import Array
+from jax.core import Tracer
 from jaxtyping import ArrayLike
 
 from ...fields import Scalar, refuse_options
@@ -127,11 +131,27 @@ class Integrating(Method):
     - `rtol`, `atol`: tolerances of the steps on scaled states of order one, such as the carrier
       ratio.
     - `max_steps`: steps allowed; the result code reports if they do not suffice.
+
+    **Raises:** `ValueError` for a relative tolerance that is not between 0 and 1, an absolute one
+    that is not above 0, or fewer steps than 1.
     """
 
     rtol: Tolerance = RTOL
     atol: Tolerance = ATOL
     max_steps: int | None = eqx.field(static=True, default=MAX_STEPS)
+
+    def __check_init__(self) -> None:
+        for name, most in (("rtol", 1.0), ("atol", math.inf)):
+            value = getattr(self, name)
+            numbers = int | float | np.number | np.ndarray | Array
+            if isinstance(value, Tracer) or not isinstance(value, numbers):
+                continue
+            # NaN is not inside.
+            if not np.all((np.asarray(value) > 0) & (np.asarray(value) < most)):
+                words = "above 0 and below 1" if most == 1 else "above 0 and finite"
+                raise ValueError(f"{self.name}: {name} is {value}; give a number {words}")
+        if self.max_steps is not None and self.max_steps < 1:
+            raise ValueError(f"{self.name}: max_steps is {self.max_steps}; give 1 or more")
 
 
 class QuasiSteady(Integrating):

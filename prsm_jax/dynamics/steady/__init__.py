@@ -16,12 +16,11 @@ from ._locking import (
 )
 from ._root_search import find_roots as find_roots
 from ._sliding_contact import SlidingContact as SlidingContact, sliding_contact as sliding_contact
-from ._steady import (
+from ._steady import all_kinematics as all_kinematics, steady_state as steady_state
+from ._steady_result import (
     STEADY_RESULTS as STEADY_RESULTS,
     SteadyState as SteadyState,
-    all_kinematics as all_kinematics,
     steady_meaning as steady_meaning,
-    steady_state as steady_state,
 )
 from ._two_sliding_sides import (
     SideSlips as SideSlips,

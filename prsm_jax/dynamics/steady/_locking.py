@@ -25,8 +25,10 @@ from ...programs import physics
 from .._kinematics import StageKinematics
 from ..friction import law_inputs_of, slip_direction, thread_friction, with_resistance
 from ._carrier_balance import balanced_carrier_ratio, free_slip, slip_per_turn
-from ._steady import JAMMED, some_load, steady_state
+from ._steady import steady_state
+from ._steady_result import JAMMED
 from ._two_sliding_sides import two_sliding_sides
+from ._unloaded import is_proportional, some_load
 
 
 def _unit(kinematics: StageKinematics):
@@ -59,7 +61,7 @@ def _proportional_to_force(friction: Friction | None) -> bool:
     alone = all(value is None for value in vars(others).values())
     if law is None:
         return alone
-    return alone and not (law.load_independent or law.asks or law.viscous_resistance is not None)
+    return alone and is_proportional(law)
 
 
 def _effective_coefficient(

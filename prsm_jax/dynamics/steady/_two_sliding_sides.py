@@ -13,6 +13,7 @@ the roller, `f_s·∂v_s/∂ω + f_n·∂v_n/∂ω = 0`, and the same for σ. Th
 roller back is neglected: all rollers carry load at all times.
 """
 
+import contextlib
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -29,6 +30,7 @@ from .._kinematics import StageKinematics
 from ..forces import ScrewForces
 from ..friction import has_contact_losses, slip_direction, thread_friction
 from ._root_search import find_roots_and
+from ._unloaded import scaled
 
 
 class SlidingSide(NamedTuple):
@@ -54,6 +56,15 @@ class TwoSides(NamedTuple):
     screw: SlidingSide
     nut: SlidingSide
     converged: Bool[Array, ""]
+
+    def scaled(self, factor: Scalar) -> "TwoSides":
+        """The same motion with all forces times a factor."""
+
+        def of(side: SlidingSide) -> SlidingSide:
+            forces = scaled((side.force, side.friction, side.on_roller), factor)
+            return SlidingSide(side.slip, side.direction, *forces, side.share)
+
+        return self._replace(screw=of(self.screw), nut=of(self.nut))
 
 
 class SideSlips(NamedTuple):
@@ -204,7 +215,8 @@ def pin_force(stage: Stage, sides: TwoSides, speed: Scalar) -> Scalar:
     """
     total = sides.screw.on_roller + sides.nut.on_roller
     radial = -total[0]
-    if stage.roller.mass is not None or stage.roller.length is not None:
+    with contextlib.suppress(MissingDataError):
+        mass = mean_roller_mass(stage)
         carrier = sides.carrier_ratio * speed
-        radial = radial - mean_roller_mass(stage) * carrier**2 * stage.thread.centre_distance
+        radial = radial - mass * carrier**2 * stage.thread.centre_distance
     return root_or_zero((radial / 2) ** 2 + (total[1] / 2) ** 2)

@@ -6,5 +6,10 @@ from ._motion import (
     check_exchangeable as check_exchangeable,
     values_at_start as values_at_start,
 )
-from ._variables import OUTPUTS as OUTPUTS, UNITS as UNITS, Output as Output
+from ._variables import (
+    OUTPUTS as OUTPUTS,
+    UNITS as UNITS,
+    Output as Output,
+    described as described,
+)
 from ._write import write_fmu as write_fmu

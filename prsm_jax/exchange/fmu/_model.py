@@ -20,7 +20,14 @@ from pythonfmu3 import (
 from pythonfmu3.fmi3slave import Fmi3StepResult
 from pythonfmu3.variable_types import Float64Type
 
-from prsm_jax.exchange.fmu import OUTPUTS, UNITS, DrivenState, advance, values_at_start
+from prsm_jax.exchange.fmu import (
+    OUTPUTS,
+    UNITS,
+    DrivenState,
+    advance,
+    described,
+    values_at_start,
+)
 from prsm_jax.file import load
 
 
@@ -50,12 +57,12 @@ class RollerScrew(Fmi3Slave):
         )
         self.time = 0.0
         self.register_variable(time)
-        self._register("torque", "N.m", "torque at the first screw", Fmi3Causality.input)
-        words = "axial load on the last nut, against its motion at positive speed"
+        self._register("torque", "N.m", "torque at the {driven}", Fmi3Causality.input)
+        words = "axial load on the {moved}, against its motion at positive speed"
         self._register("load", "N", words, Fmi3Causality.input)
-        words = "speed of the first screw at the start"
+        words = "speed of the {driven} at the start"
         self._register("initial_speed", "rad/s", words, Fmi3Causality.parameter)
-        words = "position of the last nut at the start"
+        words = "position of the {moved} at the start"
         self._register("initial_position", "m", words, Fmi3Causality.parameter)
         for output in OUTPUTS:
             for name in output.names(len(self._mechanism.stages)):
@@ -79,7 +86,7 @@ class RollerScrew(Fmi3Slave):
         variable = Float64(
             name,
             causality=causality,
-            description=words,
+            description=described(words, self._mechanism),
             variability=Fmi3Variability.fixed if fixed else Fmi3Variability.continuous,
             initial=Fmi3Initial.calculated if causality == Fmi3Causality.output else None,
             getter=lambda: self._numbers[name],

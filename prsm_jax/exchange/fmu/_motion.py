@@ -13,7 +13,10 @@ _AT_START = 1e-6
 
 
 class DrivenState(NamedTuple):
-    """State of the mechanism: angle [rad] and speed [rad/s] of the screw, and the nut [m]."""
+    """State of the mechanism: angle [rad] and speed [rad/s] of the screw, and the nut [m].
+
+    Of an inverted roller screw the angle and speed of its nut, and the position of its screw.
+    """
 
     screw_angle: float = 0.0
     screw_speed: float = 0.0
@@ -55,8 +58,8 @@ def advance(
 
     - `mechanism`: the mechanism.
     - `state`: where it begins.
-    - `torque`: at the first screw [N·m].
-    - `load`: on the last nut, against its motion at positive speed [N].
+    - `torque`: at the first screw, or the nut of an inverted roller screw [N·m].
+    - `load`: on the last nut, or that screw, against its motion at positive speed [N].
     - `duration`: [s].
 
     **Returns:** the state at the end, and the outputs there by name [SI].

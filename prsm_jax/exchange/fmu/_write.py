@@ -20,11 +20,12 @@ _NAME = "prsm_jax_roller_screw.py"
 def write_fmu(path: str | os.PathLike[str], mechanism: Mechanism) -> Path:
     """Write a mechanism as an FMU: FMI 3.0, co-simulation, driven by a torque.
 
-    Inputs are `torque` at the first screw and `load` on the last nut, constant during each step;
-    parameters are `initial_speed` and `initial_position`; outputs are the motion of screw, nut,
-    carriers and rollers, contact forces, the torque of friction and the power of losses. All have
-    units in the model description. Numbers of the mechanism are fixed: they are in a file within
-    the unit. The carriers are in balance at every instant (`simulate(..., method="quasi_steady")`).
+    Inputs are `torque` at the first screw and `load` on the last nut (of an inverted roller screw,
+    at the nut and on the screw), constant during each step; parameters are `initial_speed` and
+    `initial_position`; outputs are the motion of screw, nut, carriers and rollers, contact forces,
+    the torque of friction and the power of losses. All have units in the model description, which
+    also names the body of each. Numbers of the mechanism are fixed: they are in a file within the
+    unit. The carriers are in balance at every instant (`simulate(..., method="quasi_steady")`).
 
     The importing program needs a Python that has prsm_jax; the unit runs the code of that version.
 

@@ -29,6 +29,7 @@ from ._numbers import (
     read_number as read_number,
     read_numbers as read_numbers,
     read_quantity as read_quantity,
+    refuse_shares as refuse_shares,
     round_in_unit as round_in_unit,
     write_number as write_number,
 )

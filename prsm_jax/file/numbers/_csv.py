@@ -1,12 +1,12 @@
 """CSV tables of numbers with units: header cells `name [unit]`, and one number in each cell."""
 
-import csv
 import re
 from pathlib import Path
 from typing import NamedTuple
 
 from ..._errors import FileError
 from ...fields import ANY, Limit
+from ...text import comma_in_number, csv_cells
 from ._messages import one_line, utf8_text
 from ._numbers import read_number
 
@@ -26,7 +26,7 @@ class CsvColumn(NamedTuple):
 def csv_rows(path: Path, name: str) -> list[tuple[int, list[str]]]:
     """Cells of a CSV file, the header first, each row with the number of its line.
 
-    Lines that begin with `#` are comments. Cells are separated by commas or semicolons.
+    The cells are those of `csv_cells`.
 
     **Arguments:**
 
@@ -44,27 +44,20 @@ def csv_rows(path: Path, name: str) -> list[tuple[int, list[str]]]:
         raise
     except (OSError, ValueError) as error:
         raise FileError(f"{name}: cannot be read: {error}") from error
-    lines = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if len(lines) < 2:
-        raise FileError(f"{name}: needs a header line `name [unit],…` and a row of numbers")
-    delimiter = ";" if ";" in lines[0][1] and "," not in lines[0][1] else ","
     try:
-        cells = list(csv.reader([line for _, line in lines], delimiter=delimiter, strict=True))
-    except csv.Error as error:
-        raise FileError(f"{name}: is not a CSV table: {error}") from error
-    if len(cells) != len(lines):
-        raise FileError(f"{name}: a quoted cell contains a line break; write each row in one line")
-    for (number, _), row in zip(lines, cells, strict=True):
-        if len(row) != len(cells[0]):
+        cells = csv_cells(text)
+    except ValueError as error:
+        raise FileError(f"{name}: {error}") from error
+    if len(cells) < 2:
+        raise FileError(f"{name}: needs a header line `name [unit],…` and a row of numbers")
+    columns = len(cells[0][1])
+    for number, row in cells:
+        if len(row) != columns:
             raise FileError(
-                f"{name}: row {number} has {len(row)} cells and the header {len(cells[0])}; give "
-                "one number per column"
+                f"{name}: row {number} has {len(row)} cells and the header {columns}; give one "
+                "number per column, with decimal points"
             )
-    return [(number, row) for (number, _), row in zip(lines, cells, strict=True)]
+    return cells
 
 
 def csv_heading(cell: str, place: str, example: str) -> tuple[str, str | None]:
@@ -116,6 +109,9 @@ def csv_number(cell: str, column: CsvColumn, place: str) -> float:
     **Raises:** `FileError` for anything else than a number within the limit of the column.
     """
     text = cell.strip()
+    comma = comma_in_number(text)
+    if comma:
+        raise FileError(f"{place} {column.name}: {one_line(text, 60)!r}: {one_line(comma, 200)}")
     try:
         # The reader of units also reads dimensionless numbers, because it refuses words.
         return read_number(f"{text} {column.unit}".strip(), column.si, column.limit)

@@ -10,6 +10,7 @@ from decimal import Context, Decimal
 from fractions import Fraction
 
 from ...fields import Limit
+from ...text import comma_in_number
 
 _NUMBER = r"[+-]?(?:\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE][+-]?\d{1,3})?(?![\d.])"
 _PLAIN_NUMBER = re.compile(_NUMBER)
@@ -73,6 +74,8 @@ def read_quantity(text: str, unit: str | None) -> float:
     if match is None:
         raise ValueError(f"not a number with a unit; {wanted(unit)}")
     number, expression = match.groups()
+    if comma := comma_in_number(text):
+        raise ValueError(comma)
     try:
         factor, dimension = unit_factor(expression)
     except ValueError as error:
@@ -86,6 +89,17 @@ def read_quantity(text: str, unit: str | None) -> float:
             )
     value = _rounded(Fraction(number) * factor)
     return math.copysign(value, -1.0) if number.startswith("-") else value
+
+
+def refuse_shares(value: object) -> None:
+    """Refuse a deviation in per cent, which a reader takes for a share of the number.
+
+    **Raises:** `ValueError` for a text that ends in `%`.
+    """
+    if isinstance(value, str) and value.rstrip().endswith("%"):
+        raise ValueError(
+            f"{value.strip()!r} does not say of what; give the deviation itself, such as 0.003"
+        )
 
 
 def read_number(value: object, unit: str | None, limit: Limit) -> float:

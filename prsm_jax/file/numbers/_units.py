@@ -140,7 +140,7 @@ def unit_factor(expression: str) -> tuple[Fraction, Dimension]:
 
     **Arguments:**
 
-    - `expression`: the text; empty or `"1"` for a plain number.
+    - `expression`: the text; empty or `"1"` for a plain number, `"%"` for a hundredth.
 
     **Raises:** `ValueError` if the text is not such an expression or a unit is unknown.
     """
@@ -150,6 +150,8 @@ def unit_factor(expression: str) -> tuple[Fraction, Dimension]:
     text = _AROUND_OPERATORS.sub(r"\1", " ".join(expression.split()))
     if text in ("", "1"):
         return factor, frozenset()
+    if text == "%":
+        return Fraction(1, 100), frozenset()
     position, sign = 0, 1
     if text.startswith("1/"):
         position, sign = 2, -1

@@ -18,7 +18,7 @@ from ...mechanism import (
 from ..numbers import Misplaced, Place, read_integer, read_number
 from ._choices_of_optimise import choice_of, read_choices
 from ._operating_points import operating_points_of, read_range
-from ._table import Key, plain, read_choice, read_keys, read_name, read_rows
+from ._table import Key, plain, read_boolean, read_choice, read_keys, read_name, read_rows
 
 
 def _key(one: Declared) -> Key:
@@ -60,10 +60,14 @@ _PROBLEM["method"] = Key(plain(_read_method))
 _PROBLEM["nut_speed"] = Key(plain(read_number, "m/s", POSITIVE))
 # The range is checked with the others of the problem.
 _PROBLEM["tolerance_sigmas"] = Key(plain(read_number, "1", POSITIVE))
+_PROBLEM["avoid_warnings"] = Key(plain(read_boolean))
 _CASE = {one.name: _key(one) for one in declared(OperatingCase)}
 for _name, _unit, _limit in (("speed", "rad/s", ANY), ("load", "N", ANY), ("share", "1", POSITIVE)):
     _CASE[_name] = _CASE[_name]._replace(read=plain(read_number, _unit, _limit))
-_EFFORT = ("starts", "seed", "method", "points", "nut_speed", "tolerance_sigmas")
+_EFFORT = (
+    *("starts", "seed", "method", "points", "nut_speed", "tolerance_sigmas"),
+    "avoid_warnings",
+)
 
 
 def _options(value: Any, place: Place) -> tuple[tuple[str, float | int], ...]:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..._errors import UnknownNameError
-from ...fields import ANY, POSITIVE
+from ...fields import ANY, POSITIVE, Limit
 from ...mechanism import (
     DISTRIBUTIONS,
     Mechanism,
@@ -12,7 +12,7 @@ from ...mechanism import (
     check_tolerance,
     find_parameters,
 )
-from ..numbers import Misplaced, Place, is_plain_number, read_number
+from ..numbers import Misplaced, Place, is_plain_number, read_number, refuse_shares
 from ._table import Key, plain, read_choice, read_keys, read_name
 
 _SIGNS = ("±", "+/-", "+-")
@@ -39,8 +39,14 @@ def read_tolerances(data: Any, place: Place) -> dict[str, Any]:
     return data
 
 
+def _read_side(value: Any, unit: str, limit: Limit) -> float:
+    refuse_shares(value)
+    return read_number(value, unit, limit)
+
+
 def _symmetric(value: Any, unit: str) -> float:
     """Half the width of a symmetric tolerance: `"±0.02 mm"`, or a bare number in SI."""
+    refuse_shares(value)
     if isinstance(value, str):
         sign = next((sign for sign in _SIGNS if value.strip().startswith(sign)), None)
         if sign is None:
@@ -57,7 +63,7 @@ def _fields(value: Any, unit: str, place: Place) -> dict[str, Any]:
         except ValueError as error:
             raise Misplaced((place, str(error))) from error
         return {"lower": -half, "upper": half}
-    side = plain(read_number, unit, ANY)
+    side = plain(_read_side, unit, ANY)
     keys = {
         **{one: Key(side, f"{one} deviation") for one in _SIDES},
         "distribution": Key(plain(read_choice, DISTRIBUTIONS)),

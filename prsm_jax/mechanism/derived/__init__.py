@@ -16,6 +16,7 @@ from ._sections import screw_root_radius as screw_root_radius, screw_section as 
 from ._thread_sections import (
     ThreadHeights as ThreadHeights,
     ThreadSection as ThreadSection,
+    pointed_height as pointed_height,
     thread_heights as thread_heights,
     thread_section as thread_section,
 )

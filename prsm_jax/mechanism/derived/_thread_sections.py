@@ -96,16 +96,44 @@ class ThreadSection(NamedTuple):
     polar_moment: Scalar
 
 
+def _nominal_half_thickness(stage: Stage, body: ThreadedPart) -> Scalar:
+    """Half the axial thickness of a tooth at the nominal radius: p/4, less half the thinning."""
+    play = None if stage.strength is None else stage.strength.play
+    thinning = None if play is None else getattr(play, f"{body}_tooth_thinning")
+    half = stage.thread.pitch / 4
+    return half if thinning is None else half - thinning / 2
+
+
+def pointed_height(stage: Stage, body: ThreadedPart) -> Scalar:
+    r"""Height above the nominal radius at which the two flanks of a tooth meet [m].
+
+    With half the thickness $h_0$ at the nominal radius, p/4 less half the thinning, and the flank
+    angle α: $h_0/\tan α$ for the straight flanks of screw and nut;
+    $\sqrt{ρ^2 - (ρ\cos α - h_0)^2} - ρ\sin α$ for the arcs of a roller. Arcs that end before they
+    meet ($h_0 > ρ\cos α$) have $ρ(1 - \sin α)$, the height of their ends. 0 for teeth that are
+    thinned to nothing.
+
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `body`: `"screw"`, `"roller"` or `"nut"`.
+    """
+    thread = stage.thread
+    half = jnp.maximum(_nominal_half_thickness(stage, body), 0.0)
+    if body != "roller":
+        return half / jnp.tan(thread.flank_angle)
+    radius, angle = thread.profile_radius, thread.flank_angle
+    level, centre = radius * jnp.cos(angle), radius * jnp.sin(angle)
+    rest = jnp.maximum(level - half, 0.0)
+    # A quotient in place of the difference of nearly equal numbers.
+    return (level - rest) * (level + rest) / (jnp.sqrt(radius**2 - rest**2) + centre)
+
+
 def _half_thickness(
     stage: Stage, body: ThreadedPart, height: Float[Array, "*batch nodes"]
 ) -> Float[Array, "*batch nodes"]:
     """Half the axial thickness of a tooth at heights above the nominal radius [m]."""
-    thread = stage.thread
-    play = None if stage.strength is None else stage.strength.play
-    thinning = None if play is None else getattr(play, f"{body}_tooth_thinning")
-    nominal = thread.pitch / 4
-    if thinning is not None:
-        nominal = nominal - thinning / 2
+    thread, nominal = stage.thread, _nominal_half_thickness(stage, body)
     angle = thread.flank_angle[..., None]
     if body == "roller":
         # √(ρ² − (y + ρ sin α)²) − ρ cos α without the difference of nearly equal numbers.

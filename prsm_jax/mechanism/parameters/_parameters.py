@@ -27,9 +27,11 @@ from ...fields import (
     Scalar,
     check_number,
     check_stage,
+    refuse_complex,
     values_of,
 )
 from .._mechanism import Mechanism, check_axis
+from .._one_design import of_designs
 from ..parts import Thread
 
 
@@ -126,7 +128,6 @@ DESIGN_VARIABLES: tuple[DesignVariable, ...] = (
         STARTS,
     ),
 )
-
 
 #: Numbers of starts, whose limit depends on the type of roller screw.
 _STARTS = ("starts", "starts_at_fixed_pitch")
@@ -331,6 +332,7 @@ def find_parameters(
     return tuple(matches)
 
 
+@of_designs
 def set_parameter(
     mechanism: Mechanism, name: str, value: ArrayLike | str, *, checked: bool = True
 ) -> Mechanism:
@@ -348,17 +350,18 @@ def set_parameter(
 
     **Raises:** `UnknownNameError` as in `find_parameters`; `ValueError` for a refused number.
     """
+    refuse_complex(name, value)
     if checked:
         check_parameter(mechanism, name, value)
     for parameter in find_parameters(mechanism, name, words=isinstance(value, str)):
-        if parameter.static:
-            mechanism = parameter.set(mechanism, value)
-        else:
-            dtype = jnp.result_type(float)
-            current = parameter.get(mechanism)
-            mechanism = parameter.set(
-                mechanism, jnp.asarray(value, getattr(current, "dtype", dtype))
+        if isinstance(value, str) and not parameter.words:
+            raise ValueError(
+                f"{name} is the text {value!r}; give a number in SI, here in {parameter.unit}"
             )
+        if not parameter.static:
+            dtype = getattr(parameter.get(mechanism), "dtype", jnp.result_type(float))
+            value = jnp.asarray(value, dtype)
+        mechanism = parameter.set(mechanism, value)
     if checked:
         check_stages(mechanism)
     return mechanism
@@ -380,6 +383,7 @@ def check_stages(mechanism: Mechanism) -> None:
     check_axis(mechanism)
 
 
+@of_designs
 def get_parameter(mechanism: Mechanism, name: str) -> Array | int:
     """The value of the named number [SI]; of the first stage when several stages have it."""
     return find_parameters(mechanism, name)[0].get(mechanism)

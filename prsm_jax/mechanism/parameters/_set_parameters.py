@@ -6,6 +6,7 @@ import jax
 import numpy as np
 from jaxtyping import ArrayLike
 
+from ...fields import refuse_complex
 from .._mechanism import Mechanism
 from ._parameters import SET_AFTER, check_parameter, check_stages, find_parameters, set_parameter
 
@@ -33,6 +34,7 @@ def set_parameters(
     """
     for name in _in_order(values):
         value = values[name]
+        refuse_complex(name, value)
         if checked:
             check_parameter(mechanism, name, value)
         mechanism = set_parameter(mechanism, name, value, checked=False)

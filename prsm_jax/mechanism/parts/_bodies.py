@@ -40,7 +40,9 @@ class Support(Limited):
         "N/m", "bending stiffness in y where it differs from that in x (radial_stiffness)"
     )
     axial_stiffness: OptionalNumber = optional_number(
-        "N/m", "axial stiffness: of the screw's thrust bearing, or of the nut's mounting"
+        "N/m",
+        "axial stiffness: of the screw's thrust bearing, or of the nut's mounting (to the load "
+        "where [axis.load] is given, else to the housing)",
     )
     tilting_stiffness: OptionalNumber = optional_number(
         "N·m/rad",

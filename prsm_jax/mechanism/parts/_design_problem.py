@@ -64,6 +64,13 @@ class Constraint:
     equal: float | None = choice("value", default=None)
 
     def __post_init__(self) -> None:
+        for name in ("lower", "upper", "equal"):
+            value = getattr(self, name)
+            if value != value:
+                raise ValueError(
+                    f"constraint on {self.quantity!r}: {name} is nan; give a number, or None for "
+                    "no limit"
+                )
         if self.equal is None and self.lower is None and self.upper is None:
             raise ValueError(
                 f"constraint on {self.quantity!r} has no limit; give lower, upper or equal"
@@ -125,6 +132,8 @@ class DesignProblem:
     shares. With `tolerance_sigmas` each objective and each limit is taken so many standard
     deviations to the worse side of the mean. `method_options` are fields of the object for which
     `method` stands, as pairs of name and value; the method refuses those that it does not take.
+    With `avoid_warnings` warnings of `check` are constraints, too, as far as they depend on the
+    variables.
     """
 
     variables: tuple[Variable, ...]
@@ -141,6 +150,9 @@ class DesignProblem:
         "standard deviations by which tolerances worsen objectives and limits", default=None
     )
     method_options: tuple[tuple[str, float | int], ...] = ()
+    avoid_warnings: bool = choice(
+        "whether warnings of `prsm check` are constraints, as its errors are", default=False
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)

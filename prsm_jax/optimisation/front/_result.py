@@ -61,7 +61,8 @@ class ParetoFront(Shown):
     """The designs found that no other design dominates; prints itself.
 
     `points` are ordered by the first objective, the best first. No point of them is dominated by
-    another, and each satisfies every constraint and error limit of `check`.
+    another, and each satisfies every constraint and error limit of `check` (with
+    `avoid_warnings` limits of warnings, too).
     """
 
     #: The given mechanism; `design` returns the mechanism of a point.
@@ -109,7 +110,14 @@ class ParetoFront(Shown):
         return np.array(rows, dtype=float).reshape(len(rows), len(self.objectives))
 
     def design(self, index: int) -> Mechanism:
-        """The mechanism of a point, a pytree like the given one."""
+        """The mechanism of a point, a pytree like the given one.
+
+        **Raises:** `IndexError` for a point that does not exist.
+        """
+        count = len(self.points)
+        if not -count <= index < count:
+            known = f"points 0 to {count - 1}" if count else "no points"
+            raise IndexError(f"index is {index}; the front has {known}")
         return set_parameters(self.mechanism, self.points[index].variables, checked=False)
 
     def dominated_volume(self, reference: Mapping[str, float]) -> float:

@@ -135,7 +135,8 @@ class Trial:
 class Optimum(Shown):
     """The best feasible design that was found; prints itself.
 
-    `feasible` means: every constraint and every error limit of `check` is satisfied.
+    `feasible` means: every constraint and every error limit of `check` is satisfied, and with
+    `avoid_warnings` every warning limit that is a constraint.
     `converged` means: feasible, and `kkt_residual` (stationarity, violation and complementarity in
     scaled units, from exact gradients and independent of the method) within the tolerance.
     """
@@ -164,7 +165,7 @@ class Optimum(Shown):
     variable_units: dict[str, str]
     #: SI unit of the objective, where it is one quantity.
     objective_unit: str = "1"
-    #: Margins of possible errors of `check` that depend on the variables: constraints that the
+    #: Margins of `check` that depend on the variables: constraints that the
     #: problem does not name.
     margins: tuple[ConstraintReport, ...] = ()
     #: False if no design satisfies every constraint and margin; `optimum` is then the best found.

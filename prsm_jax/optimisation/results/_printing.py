@@ -1,6 +1,8 @@
 """An optimum as text: start and optimum, limits, verdict, findings."""
 
 import textwrap
+from collections import Counter
+from collections.abc import Iterator
 from typing import Any
 
 from ...geometry import Finding
@@ -86,8 +88,7 @@ def _verdict(best: Any) -> list[str]:
         f"{'converged' if best.converged else 'NOT CONVERGED'}: {best.message}",
         f"method {best.method}; best of {len(best.runs)} starts: number {best.best_run + 1}; "
         f"{best.evaluations} evaluations of values, {best.derivative_evaluations} of derivatives",
-        *_finding_lines("start", best.findings_start),
-        *_finding_lines(_final_name(best), best.findings_optimum),
+        *_finding_lines(best),
     ]
 
 
@@ -100,12 +101,36 @@ def _trial_line(one: Any, best: Any) -> str:
     return f"{', '.join(chosen)}: {one.status}: {one.message}"
 
 
-def _finding_lines(where: str, findings: tuple[Finding, ...]) -> list[str]:
-    """Errors and warnings of one design, a line each."""
+def _finding_lines(best: Any) -> Iterator[str]:
+    """Errors of start and optimum, and the warnings that only the optimum has, a line each.
+
+    Other warnings are those of the file, known from `prsm check`: their names and numbers.
+    """
+    start, end = best.findings_start, best.findings_optimum
+    known = {(f.name, f.stage) for f in start}
+    yield from _of_design("start", "warnings", start, known)
+    yield from _of_design(_final_name(best), "warnings as at the start", end, known)
+    caused = [f for f in end if f.severity == "warning" and (f.name, f.stage) not in known]
+    if caused and best.feasible and not best.problem.avoid_warnings:
+        yield (
+            "warnings with a limit can be made constraints: prsm optimise --avoid-warnings, or "
+            "avoid_warnings in [optimise]"
+        )
+
+
+def _of_design(
+    where: str, words: str, findings: tuple[Finding, ...], known: set[tuple[str, int]]
+) -> Iterator[str]:
+    """Lines of one design; warnings in `known` are counted by name after `words`."""
     serious = [f for f in findings if f.severity != "note"]
+    counted: Counter[str] = Counter()
+    for f in serious:
+        if f.severity == "warning" and (f.name, f.stage) in known:
+            counted[f.name] += 1
+        else:
+            yield f"prsm check of the {where}: {f.severity} {f.name}, stage {f.stage}: {f.message}"
+    if counted:
+        names = ", ".join(f"{n} ({k})" if k > 1 else n for n, k in counted.items())
+        yield f"prsm check of the {where}: {words}: {names}"
     if not serious:
-        return [f"prsm check of the {where}: no errors, no warnings"]
-    return [
-        f"prsm check of the {where}: {f.severity} {f.name}, stage {f.stage}: {f.message}"
-        for f in serious
-    ]
+        yield f"prsm check of the {where}: no errors, no warnings"

@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Array
 
 from ...fields import Scalar
-from ...findings import sources
 from ...mechanism import (
     DesignProblem,
     Mechanism,
@@ -17,7 +16,14 @@ from ...mechanism import (
     written_out,
 )
 from ...programs import bind_program, prepare_program
-from ._margin_rows import WHOLE_SCALE, MarginRows, evaluated, probe_positions, sorted_margins
+from ._margin_rows import (
+    WHOLE_SCALE,
+    MarginRows,
+    evaluated,
+    probe_positions,
+    respected,
+    sorted_margins,
+)
 from ._outputs import compiled_derivatives, compiled_values, scatter_of
 from ._parts import order_of, parts_of
 from ._rows import Rows
@@ -68,6 +74,7 @@ class Evaluator:
         terms = (*problem.objectives, *problem.constraints)
         self.quantities: tuple[str, ...] = tuple(dict.fromkeys(term.quantity for term in terms))
         scatter = scatter_of(mechanism, problem.tolerance_sigmas)
+        kept = respected(warnings=problem.avoid_warnings) if margins else None
         # The optimum, in which no variable follows from others, is evaluated by the same programs.
         mechanism = written_out(mechanism, names)
         self.lower: np.ndarray = np.array([variable.lower for variable in problem.variables])
@@ -87,8 +94,7 @@ class Evaluator:
             with_traced_counts(mechanism, numbers),
             names,
             self.quantities,
-            # Other sources of margins need another program.
-            sources() if margins else None,
+            kept,
             jnp.asarray(self.lower),
             jnp.asarray(self.width),
             speeds if cases else speed,
@@ -120,7 +126,7 @@ class Evaluator:
         if scatter is not None:
             written = scatter.made(written)
         shape_of, known = evaluated(
-            written, self.quantities, some_speed, some_load, margins=margins, after=traced[0]
+            written, self.quantities, some_speed, some_load, margins=kept, after=traced[0]
         )
         self.rows: Rows = Rows(problem, shape_of, len(known))
         #: Where the numbers stand among those of several programs.
@@ -137,10 +143,10 @@ class Evaluator:
         self.margins: MarginRows = MarginRows()
         if meanwhile is not None:
             meanwhile()
-        if known:
+        if known and kept is not None:
             points = [self.point(p) for p in probe_positions(len(names))]
             values = np.stack([point.values[self.rows.first_margin :] for point in points])
-            self.margins = sorted_margins(known, values)
+            self.margins = sorted_margins(known, values, kept)
             self.rows.add(self.margins)
             self._last = None
         self.cost_scale: float = 1.0

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import equinox as eqx
 import numpy as np
 
 from ...fields import Scalar
 from ...findings import Margin, evaluate_margins, margins_of, sources
+from ...geometry import Severity
 from ...mechanism import Mechanism
 from ...programs import stored_facts
 from ...quantities import Analysis, evaluate, find_quantity
@@ -21,22 +22,23 @@ WHOLE_SCALE = 0.1
 
 @dataclass(frozen=True)
 class MarginRow:
-    """One margin with an error limit; `place` is its index among the evaluated margins."""
+    """One margin with its limit; `place` is its index among the evaluated margins."""
 
     margin: Margin
     place: int
+    limit: float
 
     @property
     def label(self) -> str:
-        """Name of the finding, with its stage."""
+        """Name of the finding, with its stage; a finding may have a warning and an error."""
         subject = f" of {self.margin.subject}" if self.margin.subject else ""
-        return f"{self.margin.name}{subject} (stage {self.margin.stage})"
+        severity = "" if self.limit == self.margin.error_limit else ", warning"
+        return f"{self.margin.name}{subject}{severity} (stage {self.margin.stage})"
 
     @property
     def lower(self) -> float:
-        """Lower limit for the search: the error limit plus the reserve."""
-        assert self.margin.error_limit is not None
-        return self.margin.error_limit + self.margin.reserve
+        """Lower limit for the search: the limit plus the reserve."""
+        return self.limit + self.margin.reserve
 
 
 @dataclass(frozen=True)
@@ -51,9 +53,36 @@ class MarginRows:
     fixed: tuple[tuple[MarginRow, float], ...] = ()
 
 
-def is_constraint(margin: Margin) -> bool:
-    """Whether a margin has an error limit and a derivative."""
-    return margin.error_limit is not None and margin.smooth
+class Respected(NamedTuple):
+    """Which limits of `check` a search keeps; other ones need another program."""
+
+    #: All sources of margins.
+    origins: tuple[Any, ...]
+    #: Severities of the limits.
+    severities: tuple[Severity, ...]
+
+    def limit(self, margin: Margin) -> float | None:
+        """The highest limit of a margin that is kept; `None` without one, or a derivative.
+
+        A warning between two limits, as that of `self_locking`, is no constraint.
+        """
+        limits = [limit for severity, limit in margin.levels if severity in self.severities]
+        if not (limits and margin.smooth):
+            return None
+        highest = max(limits)
+        between = any(
+            severity not in self.severities and limit < highest for severity, limit in margin.levels
+        )
+        return margin.error_limit if between else highest
+
+    def keeps(self, margin: Margin) -> bool:
+        """Whether a margin is a constraint."""
+        return self.limit(margin) is not None
+
+
+def respected(*, warnings: bool) -> Respected:
+    """The limits of all sources of margins that there are now: of errors, and of warnings, too."""
+    return Respected(sources(), ("error", "warning") if warnings else ("error",))
 
 
 #: Name, stage, subject and levels of a margin.
@@ -66,7 +95,7 @@ def evaluated(
     speed: Scalar | None,
     load: Scalar | None,
     *,
-    margins: bool,
+    margins: Respected | None,
     after: Callable[[], object],
 ) -> tuple[dict[str, tuple[int, ...]], tuple[Margin, ...]]:
     """Shapes of quantities, and the margins for which the mechanism has data.
@@ -74,7 +103,7 @@ def evaluated(
     **Arguments:**
 
     - `mechanism`, `quantities`, `speed`, `load`: as for `compute`.
-    - `margins`: whether there are margins.
+    - `margins`: which margins there are, if any.
     - `after`: as for `stored_facts`.
 
     **Raises:** `MissingDataError` that names the quantity for which data are missing.
@@ -86,12 +115,12 @@ def evaluated(
         quantities,
         speed,
         load,
-        sources() if margins else None,
+        margins,
         # A name may be given to another quantity.
         by=tuple(map(find_quantity, quantities)),
         after=after,
     )
-    if not margins:
+    if margins is None:
         return shapes, ()
     return shapes, tuple(one for one in margins_of(mechanism) if _label_of(one) in known)
 
@@ -105,7 +134,7 @@ def _shapes_and_margins(
     quantities: tuple[str, ...],
     speed: Scalar | None,
     load: Scalar | None,
-    origins: tuple[Any, ...] | None,
+    margins: Respected | None,
 ) -> tuple[dict[str, tuple[int, ...]], set[_Label]]:
     """From one trace; other sources have other margins."""
     known: set[_Label] = set()
@@ -113,8 +142,8 @@ def _shapes_and_margins(
     def try_all(traced, speed, load):
         analysis = Analysis(traced, speed, load)
         values = evaluate(analysis, quantities)
-        if origins is not None:
-            found = evaluate_margins(analysis, is_constraint, details=False)
+        if margins is not None:
+            found = evaluate_margins(analysis, margins.keeps, details=False)
             pairs = zip(margins_of(traced), found, strict=True)
             known.update(_label_of(margin) for margin, numbers in pairs if numbers is not None)
         return values
@@ -129,13 +158,16 @@ def probe_positions(variables: int) -> np.ndarray:
     return 0.25 + 0.5 * random.random((_PROBES, variables))
 
 
-def sorted_margins(margins: tuple[Margin, ...], values: np.ndarray) -> MarginRows:
+def sorted_margins(margins: tuple[Margin, ...], values: np.ndarray, kept: Respected) -> MarginRows:
     """Sort margins by their values at several designs.
+
+    Warnings that no variable changes are those of the file, and prevent no search.
 
     **Arguments:**
 
     - `margins`: the evaluated margins.
     - `values`: at several designs (designs × margins); NaN without data or meshing.
+    - `kept`: the limits that the search keeps.
     """
     smooth, integer, fixed = [], [], []
     for place, margin in enumerate(margins):
@@ -143,14 +175,17 @@ def sorted_margins(margins: tuple[Margin, ...], values: np.ndarray) -> MarginRow
         column = column[np.isfinite(column)]
         if not len(column):
             continue
-        row = MarginRow(margin, place)
+        limit = kept.limit(margin)
+        assert limit is not None
+        row = MarginRow(margin, place, limit)
         # A margin that is independent of the variables has equal values to the last bit.
         if np.all(column == column[0]):
             value, limit = float(column[0]), margin.error_limit
-            assert limit is not None
+            if limit is None:
+                continue
             below = value <= limit if margin.strict else value < limit
             if below or (margin.integer and abs(value - round(value)) > 1e-6):
-                fixed.append((row, value))
+                fixed.append((MarginRow(margin, place, limit), value))
         elif margin.integer:
             integer.append(row)
             smooth.append(row)

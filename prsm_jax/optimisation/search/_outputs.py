@@ -14,7 +14,7 @@ from ...mechanism import Mechanism, find_parameters, set_parameters, tolerance_z
 from ...numerics import apart
 from ...programs import repeated_program
 from ...quantities import Analysis, find_quantity
-from ._margin_rows import is_constraint
+from ._margin_rows import Respected
 
 
 def screw_speed(
@@ -109,7 +109,7 @@ def outputs_at(inputs: tuple[Any, ...], position: Float[Array, " variables"]):
 def _worsened(
     design: Mechanism,
     quantities: tuple[str, ...],
-    margins: Any,
+    margins: Respected | None,
     speed: Any,
     load: Any,
     nut_speed: Any,
@@ -148,7 +148,7 @@ def _norm(slopes: Float[Array, "tolerances components"]) -> Float[Array, " compo
 
 
 def _analysed(
-    moved: Mechanism, quantities: tuple[str, ...], margins: Any, speed: Any, load: Any
+    moved: Mechanism, quantities: tuple[str, ...], margins: Respected | None, speed: Any, load: Any
 ) -> tuple[list[Array], Any]:
     """Quantities and margins at one operating point, and whether they can be used."""
     analysis = Analysis(moved, speed, load)
@@ -156,12 +156,12 @@ def _analysed(
     for stage in analysis.kinematics:
         analysis.require(stage.meshing.converged)
     analysis.expect(case for name in quantities for case in find_quantity(name).shares)
-    if margins:
-        analysis.expect(shared_loads(margins_of(moved), is_constraint))
+    if margins is not None:
+        analysis.expect(shared_loads(margins_of(moved), margins.keeps))
     # Not concatenated: XLA would recompute the operands for each element.
     outputs = [jnp.ravel(find_quantity(name).function(analysis)) for name in quantities]
-    if margins:
-        for numbers in evaluate_margins(analysis, is_constraint, details=False):
+    if margins is not None:
+        for numbers in evaluate_margins(analysis, margins.keeps, details=False):
             if numbers is not None:
                 outputs.append(jnp.ravel(numbers["value"]))
     # Overlapping rollers violate only a margin, which a search may do on its way.

@@ -14,6 +14,9 @@ from . import (
     _truncation as _truncation,
     _vibration as _vibration,
 )
+from ._contact import stage_pressures as stage_pressures
+from ._load_sharing import shared_stage_pressures as shared_stage_pressures
+from ._play import stage_preloaded_pressure as stage_preloaded_pressure
 from ._rating_life import (
     minimum_amplitude_of as minimum_amplitude_of,
     rating_life_of as rating_life_of,

@@ -1,8 +1,9 @@
 """Axial stiffnesses, named by their elastic parts and by secant or tangent.
 
 A secant is F/x, the load over the travel that it causes; a tangent is dF/dx, for a small additional
-load. Contacts stiffen with load, so the tangent is larger: 3/2 of the secant for Hertz point
-contacts. Each group includes more elastic parts than the one before: contacts, nut, axis.
+load. Contacts stiffen with load, so without preload the tangent is larger: 3/2 of the secant for
+Hertz point contacts. Each group includes more elastic parts than the one before: contacts, nut,
+axis.
 """
 
 import functools
@@ -10,6 +11,7 @@ from collections.abc import Callable
 
 from ... import strength
 from ...fields import Scalar
+from ...load_sharing import secant_or_tangent
 from ...mechanism import Stage
 from ...stiffness import ThreadStiffness, axial_stiffness as stage_axial_stiffness, in_series
 from .._analysis import Analysis, SharedLoad
@@ -45,8 +47,17 @@ def _contact_tangent(analysis: Analysis):
     return _of_contacts(analysis, analysis.tangent_threads)
 
 
+def _nut_secant(analysis: Analysis, index: int) -> Scalar:
+    elastic = elastic_of(analysis, index)
+    sharing = analysis.mechanism.stages[index].load_sharing
+    if sharing is None or not sharing.has_reverse_flanks:
+        return elastic.secant_stiffness
+    travel = analysis.distribution(index).deflection
+    return secant_or_tangent(elastic, travel, nut_tangent_of(analysis, index))
+
+
 def _nut_secants(analysis: Analysis) -> list[Scalar]:
-    return [elastic_of(analysis, i).secant_stiffness for i in range(len(analysis.mechanism.stages))]
+    return [_nut_secant(analysis, index) for index in range(len(analysis.mechanism.stages))]
 
 
 def _nut_tangents(analysis: Analysis) -> list[Scalar]:
@@ -89,9 +100,11 @@ def _declare(
     quantity(name, symbol, "N/m", description, assumes=assumes, shares=shares)(function)
 
 
-_EQUAL = ("equal_stiffness",)
+_EQUAL = ("equal_stiffness", "stiffness_without_preload")
+_SECANT = (*_EQUAL, "secant_of_both_flanks")
+_SHARED = ("shared_without_preload",)
 _declare(
-    "contact_axial_stiffness_secant", "K_c", f"secant F/x {_CONTACTS}", _contact_secant, _EQUAL
+    "contact_axial_stiffness_secant", "K_c", f"secant F/x {_CONTACTS}", _contact_secant, _SECANT
 )
 _declare(
     "contact_axial_stiffness_tangent",
@@ -109,13 +122,15 @@ for _name, _symbol, _what, _stiffness in (
         _symbol,
         f"secant F/x {_what}; x from the position of the unloaded nut",
         _stiffness(_nut_secants),
-        shares=_FROM_REST,
+        _SHARED,
+        _FROM_REST,
     )
     _declare(
         f"{_name}_axial_stiffness_tangent",
         f"{_symbol},t",
         f"tangent dF/dx {_what}",
         _stiffness(_nut_tangents),
+        _SHARED,
     )
 
 # Former names.
@@ -124,11 +139,12 @@ _declare(
     "K_a",
     f"another name of contact_axial_stiffness_secant: secant F/x {_CONTACTS}",
     _contact_secant,
-    _EQUAL,
+    _SECANT,
 )
 _declare(
     "axial_stiffness_shared",
     "K_ax",
     f"another name of nut_axial_stiffness_tangent: tangent dF/dx {_NUT}",
     _of_nut(_nut_tangents),
+    _SHARED,
 )

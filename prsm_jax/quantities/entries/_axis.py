@@ -17,7 +17,11 @@ from .._axis_modes import (
 )
 from .._catalogue import quantity
 
-_of_axis = functools.partial(quantity, assumes=("equal_stiffness",), shares=("operating_point",))
+_of_axis = functools.partial(
+    quantity,
+    assumes=("equal_stiffness", "stiffness_without_preload"),
+    shares=("operating_point",),
+)
 
 
 @_of_axis(

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from .._analysis import Analysis
 from .._catalogue import quantity
@@ -23,10 +24,20 @@ def _pressure(analysis: Analysis, side: str):
     "largest pressure of the thread contacts, all threads equally loaded (for the most loaded "
     "thread see max_pressure_shared): Hertz pressure, higher where the end of a flank cuts the "
     "ellipse, without the concentration at that edge",
-    assumes=("equal_contacts", "flanks_of_contacts"),
+    assumes=(
+        "equal_contacts",
+        "flanks_of_contacts",
+        "contacts_without_preload",
+        "contacts_without_friction",
+    ),
 )
 def max_pressure(analysis: Analysis):
-    return jnp.max(jnp.stack([_pressure(analysis, side) for side in ("screw", "nut")]))
+    return jnp.max(stage_pressures(analysis))
+
+
+def stage_pressures(analysis: Analysis) -> Float[Array, " stages"]:
+    """`max_pressure` of every stage [Pa]."""
+    return jnp.maximum(_pressure(analysis, "screw"), _pressure(analysis, "nut"))
 
 
 def _on_sides(
@@ -35,7 +46,11 @@ def _on_sides(
     unit: str,
     description: str,
     function: Callable[..., Any],
-    assumes: tuple[str, ...] = ("equal_contacts",),
+    assumes: tuple[str, ...] = (
+        "equal_contacts",
+        "contacts_without_preload",
+        "contacts_without_friction",
+    ),
     *,
     sides: tuple[str, ...] = ("screw", "nut"),
     **declared,
@@ -67,7 +82,12 @@ _on_sides(
     "Pa",
     "largest pressure on the {side} side, as `max_pressure`",
     _pressure,
-    ("equal_contacts", "flanks_of_contacts"),
+    (
+        "equal_contacts",
+        "flanks_of_contacts",
+        "contacts_without_preload",
+        "contacts_without_friction",
+    ),
 )
 for _name, _symbol, _axis in (("semi_major", "a_{s}", "major"), ("semi_minor", "b_{s}", "minor")):
     _description = _axis + " semi-axis on the {side} side"
@@ -100,6 +120,6 @@ _on_sides(
     "N/m",
     "thread contact stiffness of one roller with the {side}; of the first roller if they differ",
     lambda analysis, side: jnp.stack([getattr(one, f"{side}_roller") for one in analysis.threads]),
-    ("equal_stiffness",),
+    ("equal_stiffness", "stiffness_without_preload"),
     shares=("operating_point",),
 )

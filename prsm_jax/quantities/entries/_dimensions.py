@@ -4,7 +4,12 @@ import jax.numpy as jnp
 
 from ..._errors import MissingDataError
 from ...geometry import roller_clearance as stage_roller_clearance
-from ...mechanism import nut_outer_radius, nut_unit_mass as stage_nut_unit_mass, stage_mass
+from ...mechanism import (
+    body_mass,
+    nut_outer_radius,
+    nut_unit_mass as stage_nut_unit_mass,
+    stage_mass,
+)
 from .._analysis import Analysis
 from .._catalogue import quantity
 
@@ -23,11 +28,13 @@ def mass(analysis: Analysis):
     "m_n",
     "kg",
     "mass of what moves along the axis: nuts (the screw of an inverted roller screw), rollers, "
-    "carriers and ring gears of all stages",
+    "carriers and ring gears of all stages, and the screws from stage 2 on, which ride on nuts",
     assumes=("masses",),
 )
 def nut_unit_mass(analysis: Analysis):
-    return jnp.sum(_per_stage(analysis, stage_nut_unit_mass))
+    stages = analysis.mechanism.stages
+    riding = [body_mass(stage, "screw") for stage in stages[1:]]
+    return jnp.sum(jnp.stack([*map(stage_nut_unit_mass, stages), *riding]))
 
 
 @quantity("nut_outer_diameter", "D_n", "m", "outer diameter of the largest nut")

@@ -3,6 +3,7 @@
 import functools
 
 import jax.numpy as jnp
+from jaxtyping import Array, Float
 
 from ..._errors import MissingDataError
 from ...fields import Scalar
@@ -13,7 +14,10 @@ from .._nut_travel import elastic_of
 from .._onsets import truncated_pressure
 
 _by_stage = functools.partial(
-    quantity, dimensions=("stage",), shares=("operating_point",), assumes=("held_rollers",)
+    quantity,
+    dimensions=("stage",),
+    shares=("operating_point",),
+    assumes=("held_rollers", "shared_without_preload"),
 )
 
 
@@ -93,19 +97,30 @@ def largest_thread_load(analysis: Analysis):
     "Pa",
     "largest pressure of all threads under the thread loads of [stage.load_sharing]; cut ellipses "
     "as in `max_pressure`",
-    assumes=("held_rollers", "flanks_of_contacts"),
+    assumes=(
+        "held_rollers",
+        "flanks_of_contacts",
+        "shared_without_preload",
+        "contacts_without_friction",
+    ),
     shares=("operating_point",),
 )
 def max_pressure_shared(analysis: Analysis):
-    return jnp.max(
-        jnp.stack(
+    return jnp.max(shared_stage_pressures(analysis))
+
+
+def shared_stage_pressures(analysis: Analysis) -> Float[Array, " stages"]:
+    """`max_pressure_shared` of every stage [Pa]."""
+
+    def on(side: str) -> Float[Array, " stages"]:
+        return jnp.stack(
             [
                 truncated_pressure(analysis, i, side, jnp.max(getattr(one, side).max_pressure))
                 for i, one in enumerate(analysis.distributions)
-                for side in ("screw", "nut")
             ]
         )
-    )
+
+    return jnp.maximum(on("screw"), on("nut"))
 
 
 @quantity(
@@ -114,7 +129,7 @@ def max_pressure_shared(analysis: Analysis):
     "m",
     "axial deflection of the nut under the load, from its unloaded position: preloaded, or at the "
     "first contact after play and errors are taken up; sum of all stages",
-    assumes=("held_rollers",),
+    assumes=("held_rollers", "shared_without_preload"),
     shares=("operating_point", "none"),
 )
 def axial_deflection(analysis: Analysis):

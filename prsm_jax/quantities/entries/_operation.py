@@ -18,10 +18,16 @@ from ...strength import load_spectrum
 from .._analysis import Analysis
 from .._catalogue import quantity
 
-_with_friction = functools.partial(quantity, assumes=("equal_friction",))
+_with_friction = functools.partial(quantity, assumes=("equal_friction", "friction_without_preload"))
 
 
-@_with_friction("efficiency", "η", "1", "output over input power at the operating point")
+@_with_friction(
+    "efficiency",
+    "η",
+    "1",
+    "output over input power at the operating point; negative if the load drives and the thread is "
+    "self-locking",
+)
 def efficiency(analysis: Analysis):
     return analysis.steady.efficiency
 
@@ -47,7 +53,7 @@ def efficiency_backward(analysis: Analysis):
     "carrier_ratio",
     "ζ",
     "1",
-    "carrier speed over screw (turning nut) speed, steady state",
+    "carrier speed over the speed of the body that turns, steady state",
     ("stage",),
 )
 def carrier_ratio(analysis: Analysis):
@@ -65,15 +71,22 @@ def _of_steady_state(name: str):
 
 
 for _name, _symbol, _unit, _description, _dimensions in (
-    ("drive_torque", "M_S", "N·m", "torque at the first screw", ()),
+    (
+        "drive_torque",
+        "M_S",
+        "N·m",
+        "torque at the body that turns: the first screw, or the nut of an inverted roller screw",
+        (),
+    ),
     (
         "contact_force",
         "F",
         "N",
-        "normal force of the screw on one roller, sum of all threads",
+        "normal force of the body that turns (the screw; the nut of an inverted roller screw) on "
+        "one roller, sum of all threads",
         ("stage",),
     ),
-    ("slip_speed", "‖v‖", "m/s", "sliding speed of the screw on the roller", ("stage",)),
+    ("slip_speed", "‖v‖", "m/s", "sliding speed of the body that turns on the roller", ("stage",)),
     ("ring_gear_force", "F_RG", "N", "tooth force at one end of a roller", ("stage",)),
     ("carrier_force", "F_RP", "N", "pin force at one end of a roller", ("stage",)),
 ):
@@ -96,7 +109,7 @@ def _of_loss(name: str):
 
 
 for _name, _description in (
-    ("thread_sliding", "power lost by sliding between screw and roller threads"),
+    ("thread_sliding", "power lost by sliding in the thread contacts"),
     ("spin", "power lost by spin in the contact ellipses"),
     ("rolling_hysteresis", "power lost by rolling hysteresis in the contact ellipses"),
     ("spline", "power lost in the splines"),
@@ -106,7 +119,12 @@ for _name, _description in (
     _with_friction(f"loss_{_name}", f"P_{_name}", "W", _description)(_of_loss(_name))
 
 
-@quantity("nut_speed", "v_n", "m/s", "axial speed of the last nut, magnitude")
+@quantity(
+    "nut_speed",
+    "v_n",
+    "m/s",
+    "axial speed of the last nut (of the screw, if the nut turns), magnitude",
+)
 def nut_speed(analysis: Analysis):
     stages = analysis.mechanism.stages
     speed = jnp.abs(analysis.speed) * travel_per_turn(stages, len(stages))

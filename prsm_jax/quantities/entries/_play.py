@@ -13,6 +13,7 @@ from ...mechanism import Mechanism, Stage, require_type
 from ...numerics import above_or_nan
 from .._analysis import Analysis
 from .._catalogue import quantity
+from .._onsets import pressure_under
 from ._strength import per_stage
 
 #: Speed at standstill, where the torque is that of the motion about to begin [rad/s].
@@ -85,6 +86,28 @@ def preloaded_stiffness(analysis: Analysis):
         return strength.preloaded_stiffness(stage, analysis.load, analysis.reference_contact(index))
 
     return per_stage(analysis, of)
+
+
+@quantity(
+    "preloaded_pressure",
+    "p₀_pr",
+    "Pa",
+    "largest pressure of the more loaded of two preloaded nuts under the load, all its threads "
+    "equally loaded; cut ellipses as in `max_pressure`",
+    ("stage",),
+    assumes=("equal_contacts", "flanks_of_contacts", "contacts_without_friction"),
+)
+def preloaded_pressure(analysis: Analysis):
+    return per_stage(analysis, lambda index, _: stage_preloaded_pressure(analysis, index))
+
+
+def stage_preloaded_pressure(analysis: Analysis, index: int) -> Scalar:
+    """`preloaded_pressure` of one stage (from 0) [Pa].
+
+    **Raises:** `MissingDataError` if its nut is not preloaded.
+    """
+    load = strength.preloaded_load(analysis.mechanism.stages[index], analysis.load)
+    return jnp.maximum(*(pressure_under(analysis, index, side, load) for side in ("screw", "nut")))
 
 
 @quantity(

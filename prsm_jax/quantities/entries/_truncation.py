@@ -74,7 +74,7 @@ _EDGE = (
     "p_e",
     "Pa",
     _EDGE + "the load of the operating point",
-    assumes=("cut_sharing", "edges"),
+    assumes=("cut_sharing", "edges", "contacts_without_friction"),
     shares=("operating_point",),
 )
 def edge_pressure(analysis: Analysis):
@@ -86,7 +86,7 @@ def edge_pressure(analysis: Analysis):
     "p_e,max",
     "Pa",
     _EDGE + "the largest load of operating point and duty cycle",
-    assumes=("cut_sharing", "edges"),
+    assumes=("cut_sharing", "edges", "contacts_without_friction"),
     shares=("largest",),
 )
 def edge_pressure_largest(analysis: Analysis):

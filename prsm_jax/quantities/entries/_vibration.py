@@ -12,9 +12,8 @@ from .._analysis import Analysis
 from .._catalogue import quantity
 from ._operation import carrier_ratio
 
-_frequency = functools.partial(
-    quantity, assumes=("equal_stiffness", "secant_stiffness"), shares=("operating_point",)
-)
+_STIFFNESS = ("equal_stiffness", "secant_stiffness", "stiffness_without_preload")
+_frequency = functools.partial(quantity, assumes=_STIFFNESS, shares=("operating_point",))
 #: A mode is mesh-dominated when more than this share of its strain energy is in the contacts.
 _DOMINANT = 0.5
 
@@ -136,7 +135,7 @@ def gear_mesh_stiffness(analysis: Analysis):
     "rad/s",
     "lowest screw speed at which the gear mesh frequency equals that of a torsional or transverse "
     "mode with most of its strain energy in the contacts, for any phases of the rollers",
-    assumes=("equal_stiffness", "secant_stiffness", "equal_friction"),
+    assumes=(*_STIFFNESS, "equal_friction"),
     shares=("operating_point",),
 )
 def lowest_critical_speed(analysis: Analysis):

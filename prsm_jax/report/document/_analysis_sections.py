@@ -1,10 +1,12 @@
 """Contact, vibration, steady state and transient as sections of a report."""
 
 import math
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, SupportsFloat
 
 import numpy as np
 
+from ...quantities import AXIS_QUANTITIES
 from ...text import display_unit, fixed, in_unit, number, show
 from .._style import readable
 from ..animations import mode_shapes
@@ -123,11 +125,11 @@ def contact_section(data: ReportData) -> Section | None:
 
 
 def vibration_section(data: ReportData) -> Section | None:
-    """Natural frequencies by family."""
-    if data.modes is None:
+    """Natural frequencies by family, and those of the axis around the stage."""
+    if data.modes is None and not data.axis:
         return None
-    tables, pictures = [], []
-    for index, modes in enumerate(data.modes):
+    tables, pictures, paragraphs = [], [], ()
+    for index, modes in enumerate(data.modes or ()):
         suffix, words = data.of_stage(index)
         designs = [elastic_modes(m) for m in _designs(data, "modes", index).values()]
         frequencies, rigid = designs[0]
@@ -164,7 +166,31 @@ def vibration_section(data: ReportData) -> Section | None:
                     ),
                 )
             )
-    return Section("vibration", "Vibration", (), tuple(tables), tuple(pictures))
+    if data.axis:
+        paragraphs = (_WITH_AXIS,)
+        tables.append(_axis_table(data, data.axis))
+    return Section("vibration", "Vibration", paragraphs, tuple(tables), tuple(pictures))
+
+
+_WITH_AXIS = (
+    "Natural frequencies by family are those of the stage alone, whose bodies do not move along "
+    "the axis. The table of the axis is that of prsm modal --spatial: all bodies move in space on "
+    "the tangent stiffnesses of the contacts, with the motor, the elastic screw and the load of "
+    "[axis], as far as the file has them."
+)
+
+
+def _axis_table(data: ReportData, axis: Mapping[str, Any]) -> Table:
+    """Frequencies and stiffnesses of the axis, and those of the improved design."""
+    after = None if data.improved is None else data.improved.axis
+    rows = []
+    for name in axis:
+        words, unit = AXIS_QUANTITIES[name]
+        values = [float(one[name]) for one in (axis, after) if one is not None]
+        # Without a mode of this kind the frequency is infinite.
+        cells = ["none" if math.isinf(one) else show(one, unit) for one in values]
+        rows.append((words, *cells))
+    return Table("Axis", ("", "value", *((data.later,) if after is not None else ())), tuple(rows))
 
 
 def _mesh_share(modes, family: str, value: float) -> float:
@@ -179,9 +205,16 @@ def steady_section(data: ReportData) -> Section | None:
     if data.steady is None or data.forward is None or data.backward is None:
         return None
     state, turning = data.steady, data.mechanism.stages[0].thread.family.turning
+    # Of a state that does not exist there are motions, but no forces and powers.
+    is_known = state.has_efficiency or state.result_name == "self_locking"
+
+    def known(value: SupportsFloat, unit: str) -> str:
+        return show(value, unit) if is_known else "–"
+
     paragraphs = []
     if not bool(state.valid):
-        paragraphs.append(f"Do not use these numbers: {state.result}.")
+        words = "Do not use these numbers" if is_known else "There is no steady state"
+        paragraphs.append(f"{words}: {state.result}.")
     backward = efficiency_text(data.backward)
     if backward.endswith("%"):
         paragraphs.append(f"The load can drive the {turning} back.")
@@ -192,32 +225,33 @@ def steady_section(data: ReportData) -> Section | None:
     rows = [
         (f"efficiency, {turning} drives", efficiency_text(data.forward)),
         ("efficiency, load drives", backward),
-        ("drive torque", show(float(state.drive_torque), "N·m")),
-        ("input power", show(float(state.input_power), "W")),
-        ("output power", show(float(state.output_power), "W")),
+        ("drive torque", known(state.drive_torque, "N·m")),
+        ("input power", known(state.input_power, "W")),
+        ("output power", known(state.output_power, "W")),
     ]
     for index, stage in enumerate(data.mechanism.stages):
-        words = data.of_stage(index)[1]
+        words, body = data.of_stage(index)[1], stage.thread.family.turning
+        force, slip = state.contact_force[index], float(state.slip_speed[index])
         rows += [
             (
-                f"carrier speed over {stage.thread.family.turning} speed{words}",
+                f"carrier speed over {body} speed{words}",
                 number(float(state.carrier_ratio[index]), 5),
             ),
-            (
-                f"normal force of screw on one roller{words}",
-                show(float(state.contact_force[index]), "N"),
-            ),
-            (f"slip of screw on roller{words}", show(float(state.slip_speed[index]), "m/s")),
+            (f"normal force of {body} on one roller{words}", known(force, "N")),
+            (f"slip of {body} on roller{words}", show(slip, "m/s")),
         ]
-    rows.append(("error of the power balance", number(float(state.power_balance_residual), 2)))
+    residual = number(float(state.power_balance_residual), 2)
+    rows.append(("error of the power balance", residual if is_known else "–"))
     tables = [Table("Steady state at the operating point", ("", ""), tuple(rows))]
     source = float(state.input_power)
-    if state.losses and source > 0:
+    if state.losses and source > 0 and is_known:
         lost = [(readable(n), float(v)) for n, v in state.losses.items()]
         lost.sort(key=lambda item: -item[1])
         lost.append(("total", sum(v for _, v in lost)))
         table = tuple((n, number(v), fixed(100 * v / source, 3)) for n, v in lost)
         tables.append(Table("Losses", ("loss", "power in W", "share of the input in %"), table))
+    if not is_known:
+        return Section("steady", "Steady state", tuple(paragraphs), tuple(tables))
     if data.improved is not None and data.improved.steady is not None:
         chart = _designs(data, "steady")
     else:
@@ -258,17 +292,19 @@ def transient_section(data: ReportData) -> Section | None:
             ("efficiency at the end", share_text(run.efficiency[-1])),
             ("settling time (carriers within 1 %)", words),
         ]
+    largest = float(np.abs(np.asarray(run.drive_torque)).max())
     rows += [
-        ("largest drive torque", show(float(np.abs(np.asarray(run.drive_torque)).max()), "N·m")),
+        ("largest magnitude of the drive torque", show(largest, "N·m")),
         ("drive torque at the end", show(float(run.drive_torque[-1]), "N·m")),
         ("solver", f"{run.solver.name}, {int(run.solver.steps)} steps"),
     ]
     paragraphs = ("Speed or torque, and load, over the time of the scenario.",)
     pictures = []
     if settling:
+        turning = data.mechanism.stages[0].thread.family.turning
         paragraphs = (
-            "The screw runs at full speed from the start and the rollers start from rest, so the "
-            "threads slide until the carriers have come up to speed.",
+            f"The {turning} runs at full speed from the start and the rollers start from rest, so "
+            "the threads slide until the carriers have come up to speed.",
         )
         pictures.append(
             Picture(

@@ -35,6 +35,8 @@ def _shown(section: Section, data: ReportData) -> tuple[str, ...]:
             one.quantity for one in optimisation.limits
         ]
         return (*names, *(_SHOWN["summary"] if data.contacts is not None else ()))
+    if section.anchor == "vibration":
+        return (*(_SHOWN["vibration"] if data.modes is not None else ()), *(data.axis or ()))
     return _SHOWN.get(section.anchor, ())
 
 

@@ -12,7 +12,7 @@ from ...fields import Declared, values_of
 from ...file import loads, table_choices
 from ...mechanism import Mechanism, find_parameters
 from ...quantities import catalogue
-from ...text import NumberText, display_unit, printable, with_label
+from ...text import NumberText, display_unit, printable, related, with_label
 from .._style import readable
 from ..results import ReportData
 from ._section import Section, Table
@@ -65,12 +65,16 @@ def input_text(value: Any, unit: str | None) -> str:
         return "yes" if value is True else "no" if value is False else printable(str(value))
     numbers = np.atleast_1d(np.asarray(value, dtype=float))
     shown = display_unit(unit, [float(one) for one in numbers])
-    texts = [f"{shown(float(one)):.9g}".replace("-", "\N{MINUS SIGN}") for one in numbers]
+    texts = [_nine_digits(shown(float(one))) for one in numbers]
     if len(texts) > _LONGEST:
         texts = [*texts[: _LONGEST - 1], f"… ({len(texts)} numbers)"]
     if len(texts) == 1:
-        return with_label(NumberText(texts[0], float(shown(float(numbers[0])))), shown.label)
+        return with_label(texts[0], shown.label)
     return ", ".join(texts) + (f"\N{NARROW NO-BREAK SPACE}{shown.label}" if shown.label else "")
+
+
+def _nine_digits(value: float) -> NumberText:
+    return NumberText(f"{value:.9g}".replace("-", "\N{MINUS SIGN}"), float(value))
 
 
 def _law(hint: Any, value: Any, unit: str) -> str:
@@ -119,9 +123,8 @@ def _duty_cycle(mechanism: Mechanism) -> Iterator[Table]:
         one.name: display_unit(one.unit or "1", np.abs(np.asarray(v)).ravel().tolist())
         for one, v in columns
     }
-    lists = [[f"{units[o.name](float(x)):.9g}" for x in np.ravel(v)] for o, v in columns]
-    minus = [[x.replace("-", "\N{MINUS SIGN}") for x in one] for one in lists]
-    rows = tuple((str(i), *row) for i, row in enumerate(zip(*minus, strict=True), start=1))
+    lists = [[_nine_digits(units[o.name](float(x))) for x in np.ravel(v)] for o, v in columns]
+    rows = tuple((str(i), *row) for i, row in enumerate(zip(*lists, strict=True), start=1))
     head = ("phase", *(f"{o.name} in {units[o.name].label}" for o, _ in columns))
     yield Table("[[duty_cycle]]", head, rows)
 
@@ -131,7 +134,7 @@ def _optimise(mechanism: Mechanism) -> Iterator[Table]:
     if problem is None:
         return
     aims = tuple(
-        (one.sense, readable(one.quantity), f"{one.weight:.9g}", one.over)
+        (one.sense, readable(one.quantity), _nine_digits(one.weight), one.over)
         for one in problem.objectives
     )
     yield Table("[optimise] objectives", ("sense", "quantity", "weight", "over points"), aims)
@@ -147,7 +150,7 @@ def _optimise(mechanism: Mechanism) -> Iterator[Table]:
         (
             readable(one.quantity),
             # A quantity of a plugin that is not loaded has a bare number.
-            f"{words} {input_text(limit, units.get(one.quantity.partition('[')[0], '1'))}",
+            related(words, input_text(limit, units.get(one.quantity.partition("[")[0], "1"))),
         )
         for one in problem.constraints
         for side, words in signs.items()

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from ..._errors import MissingDataError
 from ...geometry import roller_clearance
 from ...mechanism import Stage, body_mass, stage_mass
-from ...text import display_unit, show, trimmed, with_label
+from ...text import show, trimmed, with_label
 from ..drawings import cross_section
 from ..results import ReportData
 from ._section import Picture, Section, Table
@@ -107,15 +107,12 @@ def stage_rows(stage: Stage) -> Iterator[tuple[str, str]]:
         yield "loaded threads of a roller, each side", trimmed(float(stage.engaged_threads))
     if stage.material is not None:
         modulus = float(stage.material.youngs_modulus) * 1e-9
-        yield (
-            "Young's modulus, Poisson's ratio",
-            f"{trimmed(modulus)} GPa, {trimmed(float(stage.material.poisson_ratio))}",
-        )
+        yield "Young's modulus", with_label(trimmed(modulus), "GPa", " ")
+        yield "Poisson's ratio", trimmed(float(stage.material.poisson_ratio))
     yield "curvatures of the contact", stage.curvature
     try:
         roller, total = float(body_mass(stage, "roller")), float(stage_mass(stage))
     except MissingDataError:
         return
-    unit = display_unit("kg", roller)
-    yield "mass of a roller", f"{unit(roller):.3g} {unit.label}"
+    yield "mass of a roller", show(roller, "kg", digits=3)
     yield "mass of the stage", show(total, "kg")

@@ -106,9 +106,11 @@ def _summary(data: ReportData) -> Section:
     if point is not None and steady is not None:
         at = f"At {show(float(point.speed), 'rad/s')} and {show(float(point.load), 'N')} the "
         if steady.has_efficiency and bool(steady.valid):
-            torque = show(abs(float(steady.drive_torque)), "N·m")
+            torque = show(float(steady.drive_torque), "N·m")
+            turning = data.mechanism.stages[0].thread.family.turning
             words.append(
-                f"{at}efficiency is {efficiency_text(steady)} and the torque at the screw {torque}."
+                f"{at}efficiency is {efficiency_text(steady)} and the torque at the {turning} "
+                f"{torque}."
             )
         else:
             words.append(f"{at}mechanism has no efficiency; {steady.result}.")
@@ -127,13 +129,17 @@ def _summary(data: ReportData) -> Section:
 
 def _pressure_in_a_sentence(data: ReportData) -> str:
     """Largest pressure: at equal sharing, and of the most loaded thread if it is modelled."""
-    equal = show(largest_pressure(data), "Pa")
+    equal, point = show(largest_pressure(data), "Pa"), data.mechanism.operating_point
+    start = "The largest contact pressure"
+    if point is not None:
+        # A duty cycle may have larger loads, which the static safety is for.
+        start += f" at the load of the operating point ({show(float(point.load), 'N')})"
     if len(data.shared) < len(data.mechanism.stages):
-        return f"The largest contact pressure is {equal}."
+        return f"{start} is {equal}."
     worst = max(largest_shared_pressure(data, index) for index in data.shared)
     return (
-        f"The largest contact pressure is {show(worst, 'Pa')}, on the most loaded thread; it would "
-        f"be {equal} if all threads shared the load equally."
+        f"{start} is {show(worst, 'Pa')}, on the most loaded thread; it would be {equal} if all "
+        "threads shared the load equally."
     )
 
 

@@ -9,11 +9,13 @@ from .._style import readable
 from ..results import ReportData
 from ._section import Section, Table
 
-#: What a check is called where its name does not say it.
+#: What a check is called where its name does not say it. Static safety is that of the largest load
+#: of operating point and duty cycle, contact pressures are those of the operating point alone.
 _LABELS = {
-    "static_safety": "static safety",
-    "max_pressure_shared": "contact pressure of the most loaded thread",
-    "max_pressure": "contact pressure, equal sharing",
+    "static_safety": "static safety under the largest load",
+    "max_pressure_shared": "contact pressure at the operating point, most loaded thread",
+    "max_pressure": "contact pressure at the operating point, equal sharing",
+    "preloaded_pressure": "contact pressure at the operating point with preload, equal sharing",
     "rating_life": "rating life, with its factors",
     "rating_life_time": "rating life L10h",
     "buckling": "safety against buckling",
@@ -23,6 +25,14 @@ _LABELS = {
     "jamming": "friction coefficient (jamming)",
     "self_locking": "efficiency when the load drives",
 }
+#: Where drag holds a load of 0, the efficiency is −∞; a number below −1e6 stands for it.
+_HELD = 1e6
+#: What the margins of a table of checks are.
+MARGINS_IN_WORDS = (
+    "A margin of 0 is the limit. A margin in % is the part of a capacity that is left before the "
+    f"limit (buckling with a safety of 2: 1/2 {MINUS} load / buckling load), the life beyond the "
+    "required one as a share of it, or a difference of efficiencies."
+)
 #: The same where the limit is a lower one: rollers without lead have no coefficient that jams.
 _LABELS_AT_LEAST = {"jamming": "share of the axial thread force that carries load"}
 
@@ -38,7 +48,9 @@ def label_of(check: StrengthCheck) -> str:
 
 
 def value_text(check: StrengthCheck) -> str:
-    """The value of a check with its unit."""
+    """The value of a check with its unit; a load of 0 that is held has no efficiency."""
+    if check.name == "self_locking" and check.value < -_HELD:
+        return "self-locking"
     return show(check.value, check.unit, check.name)
 
 
@@ -121,10 +133,6 @@ def status_section(data: ReportData) -> Section:
     if data.optimisation is not None and not data.feasible:
         words = (data.optimisation.in_a_sentence(), *words)
     if tables:
-        words += (
-            "A margin of 0 is the limit. A margin in % is the part of a capacity that is left "
-            f"before the limit (buckling with a safety of 2: 1/2 {MINUS} load / buckling load), "
-            "the life beyond the required one as a share of it, or a difference of efficiencies.",
-        )
+        words += (MARGINS_IN_WORDS,)
     last = list(designs.values())[-1]
     return Section("status", "Status", words, tables, status=last.status)

@@ -196,7 +196,8 @@ def sharing_section(data: ReportData) -> Section | None:
             ("largest over mean roller load", number(shared.screw.roller_sharing_factor)),
             ("largest pressure", show(largest, "Pa")),
             ("deflection", show(shared.elastic.deflection, "m")),
-            ("axial stiffness dF/dx", show(tangent, "N/m")),
+            # It goes to 0 with the load; at 0 the result has that of a trace of a load.
+            ("axial stiffness dF/dx", show(tangent if largest > 0 else 0.0, "N/m")),
         ]
         if largest > uncut:
             rows.insert(4, ("largest pressure of a whole ellipse", show(uncut, "Pa")))

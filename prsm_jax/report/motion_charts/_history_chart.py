@@ -113,16 +113,18 @@ def _efficiency(mechanism: Mechanism, run: Transient) -> History:
 
 def histories(mechanism: Mechanism, run: Transient) -> list[History]:
     """All histories of a transient; the first four are those of motion and demand."""
-    turning = mechanism.stages[0].thread.family.turning
+    family = mechanism.stages[0].thread.family
+    travels = "last nut" if family.held == "nut" else "screw"
+    teeth = "teeth of the screw" if family.gear_body == "screw" else "ring gear"
     return [
-        _one(f"{turning} speed", run.screw_speed, "rad/s", 0),
+        _one(f"{family.turning} speed", run.screw_speed, "rad/s", 0),
         _one("drive torque", run.drive_torque, "N·m", 3),
-        _one("travel of the last nut", travel_of(mechanism, run), "m", 0),
+        _one(f"travel of the {travels}", travel_of(mechanism, run), "m", 0),
         _one("load", run.load, "N", 3),
         _stages("carrier ratio ω/Ω", _while_moving(run, run.carrier_ratio), "1"),
         _stages("contact force on a roller", run.contact_force, "N"),
         _efficiency(mechanism, run),
-        _stages("ring gear on roller", run.ring_gear_force, "N"),
+        _stages(f"{teeth} on roller", run.ring_gear_force, "N"),
         _stages("spline friction", run.spline_friction, "N"),
         _stages("carrier on roller", run.carrier_force, "N"),
     ]

@@ -1,7 +1,7 @@
 """The analysis behind a report: every part that a mechanism has the data for."""
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeAlias
 
 import jax.numpy as jnp
@@ -21,7 +21,14 @@ from ...geometry import Meshing, mesh
 from ...load_sharing import ForceDeflection, LoadDistribution
 from ...mechanism import Mechanism, written_out
 from ...programs import beside, one_program_where_possible
-from ...quantities import Analysis, available_quantities, evaluate, truncated_fatigue_of
+from ...quantities import (
+    AXIS_QUANTITIES,
+    Analysis,
+    available_quantities,
+    compute,
+    evaluate,
+    truncated_fatigue_of,
+)
 from ...strength import TruncatedFatigue, side_onsets
 from ...text import short_heading
 from ...vibration import Modes, modal
@@ -29,7 +36,7 @@ from ..contact_charts import FlankLine, flank_lines, shared_loads
 from ..design_charts import Optimisation
 from ._data import ReportData, SideOnsets
 from ._origin import Origin
-from ._pressures import largest_pressure, largest_shared_pressure
+from ._pressures import largest_pressures, largest_shared_pressure
 
 
 def words_of_fault(error: Exception) -> str:
@@ -66,6 +73,7 @@ STRENGTH = (
     "axial_backlash",
     "lost_motion",
     "preload_opening_load",
+    "preloaded_pressure",
     "preloaded_stiffness",
     "preload_torque",
 )
@@ -142,7 +150,7 @@ def analyse(
     lines = None if contacts is None else attempt("contact", _lines, mechanism, meshings)
     modes = attempt("vibration", _all_modes, mechanism)
     steady = attempt("steady state", _steady_states, mechanism) or (None, None, None)
-    history, strength, shared = others()
+    history, strength, shared, axis = others()
     parts.add(more)
     data = ReportData(
         mechanism=original,
@@ -153,6 +161,7 @@ def analyse(
         onsets=onsets,
         flank_lines=lines or (),
         modes=modes,
+        axis=axis,
         steady=steady[0],
         forward=steady[1],
         backward=steady[2],
@@ -223,11 +232,12 @@ class _Parts:
         self.faults += others.faults
 
 
-def _others(parts: _Parts, mechanism: Mechanism, transient: bool) -> tuple[Any, Any, Any]:
-    """Transient, strength and load sharing."""
+def _others(parts: _Parts, mechanism: Mechanism, transient: bool) -> tuple[Any, Any, Any, Any]:
+    """Transient, strength, load sharing and axis."""
     history = parts.attempt("transient", _history, mechanism) if transient else None
     strength = parts.attempt("strength", _strength, mechanism) or (None, ())
-    return history, strength, parts.attempt("load sharing", _shared, mechanism) or ({}, {})
+    shared = parts.attempt("load sharing", _shared, mechanism) or ({}, {})
+    return history, strength, shared, parts.attempt("axis", _axis, mechanism)
 
 
 def _checks(
@@ -235,15 +245,22 @@ def _checks(
 ) -> tuple[StrengthCheck, ...]:
     """Checks from the numbers of `check` on the mechanism and the results of this analysis."""
     values: dict[str, Any] = dict(data.strength or {})
+    stages = range(len(data.mechanism.stages))
     if data.contacts is not None:
-        values["max_pressure"] = largest_pressure(data)
-    if data.contacts is not None and len(data.shared) == len(data.mechanism.stages):
-        shared = (largest_shared_pressure(data, index) for index in data.shared)
-        values["max_pressure_shared"] = max(shared)
+        values["max_pressure"] = _of_stages(max(largest_pressures(data, i)) for i in stages)
+    if data.contacts is not None and len(data.shared) == len(stages):
+        shared = (largest_shared_pressure(data, i) for i in stages)
+        values["max_pressure_shared"] = _of_stages(shared)
     steady = data.steady
     if steady is not None and steady.has_efficiency and bool(steady.valid):
         values["efficiency"] = steady.efficiency
     return strength_checks_from(mechanism, numbers, values)
+
+
+def _of_stages(numbers: Iterable[float]) -> float | list[float]:
+    """Numbers of several stages as a list; that of a single stage is of the whole mechanism."""
+    listed = list(numbers)
+    return listed if len(listed) > 1 else listed[0]
 
 
 def _title_after(optimisation: Optimisation | None) -> str:
@@ -257,6 +274,15 @@ def _all_modes(mechanism: Mechanism) -> tuple[Modes, ...]:
     )
 
 
+def _axis(mechanism: Mechanism) -> Mapping[str, Array] | None:
+    """Frequencies in space and stiffnesses of the axis, as of `prsm modal --spatial`."""
+    if mechanism.axis is None:
+        return None
+    names = available_quantities(mechanism, tuple(AXIS_QUANTITIES))
+    # Without data for any of them, the first one says what is missing.
+    return compute(mechanism, names or ("first_axial_frequency",))
+
+
 def _steady_states(mechanism: Mechanism) -> tuple[SteadyState, SteadyState, SteadyState]:
     point = mechanism.operating_point
     if point is None:
@@ -265,7 +291,7 @@ def _steady_states(mechanism: Mechanism) -> tuple[SteadyState, SteadyState, Stea
     return (
         steady_state(mechanism, point.speed, point.load),
         steady_state(mechanism, speed, load),
-        steady_state(mechanism, -speed, load),
+        steady_state(mechanism, -speed, load, onset=-1.0),
     )
 
 

@@ -40,6 +40,8 @@ class ReportData:
     #: if all ellipses are taken to be whole.
     onsets: tuple[SideOnsets, ...] = ()
     modes: tuple[Modes, ...] | None = None
+    #: Quantities of the axis by name; `None` without an axis.
+    axis: Mapping[str, Array] | None = None
     #: Steady states: operating point, screw driving, load driving the screw back.
     steady: SteadyState | None = None
     forward: SteadyState | None = None

@@ -77,7 +77,7 @@ def axis_mode_shapes(
     if count < 1 or not 0 < energy < math.inf:
         raise ValueError(f"count is {count} and energy {energy:g} J; both must be positive")
     chosen = modes.elastic_modes()[:count]
-    parts = _parts_of(mechanism)
+    parts = _parts_of(mechanism, modes)
     height = _HEADING + len(chosen) * (_OVER + _PANEL) + _FOOT
     figure = page_figure(height, layout=None)
     figure.text(
@@ -110,7 +110,7 @@ def _length(value: Any, otherwise: float) -> float:
     return otherwise if value is None else 1e3 * float(value)
 
 
-def _parts_of(mechanism: Mechanism) -> list[_Part]:
+def _parts_of(mechanism: Mechanism, modes: SpatialModes) -> list[_Part]:
     stage, axis = mechanism.stages[0], mechanism.axis
     thread = stage.thread
     screw, nut = 1e3 * float(thread.screw_radius), 1e3 * float(thread.nut_radius)
@@ -142,19 +142,21 @@ def _parts_of(mechanism: Mechanism) -> list[_Part]:
     if axis is None:
         return parts
     around = _motor_and_load if thread.family.turning == "screw" else _inverted_motor_and_load
-    return [*parts, *around(axis, length, ends, (screw, nut, outer), near)]
+    held = near if thread.family.held == "screw" else "nut"
+    load = "load" if any(one.body == "load" for one in modes.coordinates) else held
+    return [*parts, *around(axis, length, ends, (screw, nut, outer), near, load)]
 
 
 _Radii: TypeAlias = tuple[float, float, float]
 
 
 def _motor_and_load(
-    axis: Axis, length: float, ends: tuple[float, float], radii: _Radii, near: str
+    axis: Axis, length: float, ends: tuple[float, float], radii: _Radii, near: str, load: str
 ) -> Iterator[_Part]:
     """The motor beside the screw, and the load behind the nut.
 
     `radii` are those of screw and nut and the outer one of the nut, `ends` those of the nut [mm],
-    and `near` is the part at the left end of the screw.
+    `near` is the part at the left end of the screw, and `load` what moves with the load.
     """
     _, nut, outer = radii
     if axis.motor is not None:
@@ -165,14 +167,13 @@ def _motor_and_load(
         yield _Part("motor", box, size, ("", ""), turned, -0.16 * length)
     if axis.load is not None:
         start = max(length, ends[1]) + 0.06 * length
-        load = "nut" if axis.load.tube_stiffness is None else "load"
         wall = outer - 0.25 * (outer - nut)
         yield _Part("tube", (ends[1], start), (wall, outer), ("nut", load))
         yield _Part("load", (start, start + 0.13 * length), (0.0, 1.25 * outer), (load, load))
 
 
 def _inverted_motor_and_load(
-    axis: Axis, length: float, ends: tuple[float, float], radii: _Radii, near: str
+    axis: Axis, length: float, ends: tuple[float, float], radii: _Radii, near: str, load: str
 ) -> Iterator[_Part]:
     """The hollow motor around the nut, and the load at the left end of the screw."""
     screw, _, outer = radii
@@ -183,7 +184,6 @@ def _inverted_motor_and_load(
         size = 1.05 * outer, 1.35 * outer
         yield _Part("motor", box, size, ("", ""), turned, ends[0] + 0.3 * wide)
     if axis.load is not None:
-        load = near if axis.load.tube_stiffness is None else "load"
         start = -0.06 * length
         yield _Part("tube", (start, 0.0), (0.0, 0.6 * screw), (load, near))
         yield _Part("load", (start - 0.13 * length, start), (0.0, 1.25 * outer), (load, load))

@@ -53,6 +53,9 @@ def save_axis_pictures(
         drawn["axis-compliance"] = axis_compliance_chart(compliance, modes, held, turning=turning)
     if axis is not None and axis.shaft is not None:
         names = available_quantities(mechanism, tuple(NUT_POSITION_QUANTITIES))
+        if axis.motor is None or axis.motor.controller is None:
+            # Without a controller it is that with the motor held.
+            names = tuple(name for name in names if name != "servo_stiffness")
         distances = _positions(mechanism, axis.shaft)
         values = _at_positions(mechanism, names, jnp.asarray(distances))
         given = float(axis.shaft.nut_distance)

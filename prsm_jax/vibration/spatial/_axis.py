@@ -6,6 +6,8 @@ of an elastic screw have its own radius.
 """
 
 import dataclasses
+import functools
+import operator
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -14,6 +16,7 @@ from ..._errors import MissingDataError
 from ...fields import Scalar
 from ...mechanism import (
     Axis,
+    AxisLoad,
     AxisShaft,
     Motor,
     Side,
@@ -23,9 +26,10 @@ from ...mechanism import (
     material_of,
     screw_section,
 )
+from ...numerics import above_or_nan
 from ...programs import physics
 from ..model import Coordinate
-from ._bodies import SpatialBody, nominal_radius, supports
+from ._bodies import SpatialBody, has_support, moving_with, nominal_radius, supports
 
 
 class AxisBody(eqx.Module):
@@ -58,8 +62,12 @@ class AxisSpring(eqx.Module):
         """
         if len(self.stiffness) == 1:
             return self.stiffness
-        whole = 1 / sum((1 / one for one in self.stiffness), jnp.zeros_like(self.stiffness[0]))
-        return tuple(whole * (whole / one) for one in self.stiffness)
+        # A mounting may have the stiffness 0, and then the series has.
+        every = [above_or_nan(one) for one in self.stiffness]
+        given = functools.reduce(operator.and_, every)
+        safe = [jnp.where(given, one, 1.0) for one in self.stiffness]
+        whole = 1 / sum((1 / one for one in safe), jnp.zeros_like(safe[0]))
+        return tuple(jnp.where(given, whole * (whole / one), 0.0) for one in safe)
 
 
 class AxisSystem(eqx.Module):
@@ -190,18 +198,35 @@ def _motor(
     return rotor, springs
 
 
+def _to_load(load: AxisLoad, stage: Stage, like: Scalar) -> dict[str, Scalar]:
+    """Springs in series from the body that moves along the axis to the load, by name [N/m].
+
+    Its mounting, with the axial supports of what moves with it, and the thrust tube.
+    """
+    held = stage.thread.family.held
+    names = moving_with(stage, held)
+    found: dict[str, Scalar] = {}
+    if has_support(stage, names, "axial"):
+        found[f"{held}_support_axial"] = supports(stage, names, "axial", like)
+    if load.tube_stiffness is not None:
+        found["thrust_tube"] = load.tube_stiffness
+    return found
+
+
 @physics("axis_system")
 def axis_system(
     axis: Axis, stage: Stage, stage_bodies: tuple[SpatialBody, ...], motor_held: bool = False
 ) -> tuple[tuple[SpatialBody, ...], AxisSystem]:
     """The masses and springs of the axis around a stage, and the stage's bodies with it.
 
-    The motor's rotor turns on the springs of its shaft and of the coupling in series, the load
-    moves on the thrust tube. Where such a spring is not given, the mass is fixed to the next body.
-    The screw is rigid, or has bars E A/l and shafts G I_p/l between thrust bearing, nut and far
-    bearing, with the section of its root. The proportional gain of the position controller is a
-    torsional spring from the rotor to the housing. In an inverted roller screw the motor turns the
-    nut, and the load moves with the end of the screw, from which the distance of the nut counts.
+    The motor's rotor turns on the springs of its shaft and of the coupling in series. The load
+    moves on the thrust tube and the mounting of the nut (its `support.axial_stiffness`) in series:
+    a nut that moves a load is mounted to it, and without a load to the housing. Where such a spring
+    is not given, the mass is fixed to the next body. The screw is rigid, or has bars E A/l and
+    shafts G I_p/l between thrust bearing, nut and far bearing, with the section of its root. The
+    proportional gain of the position controller is a torsional spring from the rotor to the
+    housing. In an inverted roller screw the motor turns the nut, and the load moves with the end of
+    the screw, from which the distance of the nut counts.
 
     **Arguments:**
 
@@ -233,13 +258,19 @@ def axis_system(
     if axis.motor is not None:
         rotor, at_motor = _motor(axis.motor, driven, radius, bodies)
         springs += at_motor
-    if axis.load is not None and axis.load.tube_stiffness is not None:
-        moved, load = load, "load"
-        bodies[load] = AxisBody(load, axis.load.mass)
-        tube = (axis.load.tube_stiffness,)
-        springs.append(AxisSpring(tube, ("thrust_tube",), "z", (load, moved)))
-    elif axis.load is not None:
-        _heavier(bodies, load, "axial_mass", axis.load.mass)
+    if axis.load is not None:
+        between = _to_load(axis.load, stage, radius)
+        if f"{family.held}_support_axial" in between:
+            springs = [one for one in springs if one.names != (f"{family.held}_support_axial",)]
+            body = bodies[family.held]
+            bodies[family.held] = dataclasses.replace(body, axial_support=jnp.zeros_like(radius))
+        if between:
+            moved, load = load, "load"
+            bodies[load] = AxisBody(load, axis.load.mass)
+            pair = tuple(between.values()), tuple(between)
+            springs.append(AxisSpring(*pair, "z", (load, moved)))
+        else:
+            _heavier(bodies, load, "axial_mass", axis.load.mass)
     changed = tuple(b for b in bodies.values() if isinstance(b, SpatialBody))
     added = tuple(b for b in bodies.values() if isinstance(b, AxisBody))
     return changed, AxisSystem(added, tuple(springs), radius, rotor, load, motor_held)

@@ -32,6 +32,23 @@ def nominal_radius(thread: Thread, side: Side) -> Scalar:
     return thread.screw_radius if side == "screw" else thread.nut_radius
 
 
+def moving_with(stage: Stage, side: Side) -> tuple[str, ...]:
+    """Screw or nut, and the bodies that move along the axis with it."""
+    # Where rollers keep their place in neither body, a cage in the nut guides them.
+    beside = stage.thread.family.carrying or "nut"
+    names = (side, "ring_gear") if side == "nut" else (side,)
+    return (*names, "carrier") if side == beside else names
+
+
+def has_support(stage: Stage, names: tuple[str, ...], direction: str) -> bool:
+    """Whether one of these bodies has a support in a direction, be it of stiffness 0."""
+    bodies = (getattr(stage, name) for name in names)
+    given = [None if body is None else body.support for body in bodies]
+    return any(
+        one is not None and getattr(one, f"{direction}_stiffness") is not None for one in given
+    )
+
+
 def supports(stage: Stage, names: tuple[str, ...], direction: str, like: Scalar) -> Scalar:
     """Sum of the supports of bodies that are fixed to each other; zero where none is given."""
     total = jnp.zeros_like(like)

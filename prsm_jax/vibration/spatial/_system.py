@@ -23,7 +23,7 @@ from ...mechanism import (
 from ...programs import physics
 from ...stiffness import ThreadStiffness, ring_roller_stiffness
 from ._axis import AxisSystem, axis_system
-from ._bodies import SpatialBody, nominal_radius, supports
+from ._bodies import SpatialBody, moving_with, nominal_radius, supports
 from ._springs import (
     RollerSpring,
     contact_places,
@@ -174,11 +174,11 @@ def _central(
     stage: Stage, side: Side, carriers: Scalar | None, like: Scalar, tilt: bool
 ) -> SpatialBody:
     """Screw or nut, with the ring gear that is fixed to the nut, and the carriers beside it."""
-    fixed = (side, "ring_gear") if side == "nut" else (side,)
+    moving = moving_with(stage, side)
+    fixed = tuple(name for name in moving if name != "carrier")
     given = [name for name in fixed if getattr(stage, name) is not None]
     mass = functools.reduce(operator.add, (body_mass(stage, name) for name in given))
     inertia = functools.reduce(operator.add, (body_inertia(stage, name) for name in given))
-    axially = fixed if carriers is None else (*fixed, "carrier")
     body = SpatialBody(
         mass=mass,
         equivalent_mass=inertia / nominal_radius(stage.thread, side) ** 2,
@@ -186,7 +186,7 @@ def _central(
         torsional_support=supports(stage, fixed, "torsional", like),
         name=side,
         axial_mass=mass if carriers is None else mass + carriers,
-        axial_support=supports(stage, axially, "axial", like),
+        axial_support=supports(stage, moving, "axial", like),
     )
     return with_tilt(stage, body, side, carriers is not None) if tilt else body
 

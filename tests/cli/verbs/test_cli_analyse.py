@@ -212,7 +212,7 @@ constant = "2 kN"
 """
 
 
-def test_simulate_under_a_prescribed_torque(prsm_json, tmp_path):
+def test_simulate_under_a_prescribed_torque(prsm, prsm_json, tmp_path):
     """Between 2.8 N·m, at which the load runs back, and 3.6 N·m, at which it yields: it sticks."""
     text = file.example_text("actuator_mission")
     text = text[: text.index("[scenario]")] + TORQUE
@@ -223,3 +223,7 @@ def test_simulate_under_a_prescribed_torque(prsm_json, tmp_path):
     assert results["position_m"] == [0.0] * 11
     (phase,) = results["phases"]
     assert phase == {"start_s": 0.0, "end_s": pytest.approx(0.1), "mode": "sticking"}
+    # The torque is the prescribed one, and friction holds the screw.
+    _, out, _ = prsm("simulate", tmp_path / "torque.toml")
+    assert "peak drive torque" in out
+    assert "stands still" not in out

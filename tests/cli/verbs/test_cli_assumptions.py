@@ -27,7 +27,18 @@ VERBS = {
         ("--minimise", "max_pressure", "--maximise", "efficiency", "--points", "3"),
         ["efficiency", "max_pressure"],
     ),
-    "calibrate": (("--data", "wu2022_torque", "--loss", "squared"), ["drive_torque"]),
+    # One number: of a screw that was not measured, all of them end where a friction vanishes.
+    "calibrate": (
+        (
+            "--data",
+            "wu2022_torque",
+            "--loss",
+            "squared",
+            "--parameters",
+            "friction.thread.coefficient",
+        ),
+        ["drive_torque"],
+    ),
     "sweep": (("--axis", "lead=9 mm,10 mm", "--quantities", "max_pressure"), ["max_pressure"]),
     "tolerance": (
         ("--quantities", "max_pressure", "--method", "first_order"),

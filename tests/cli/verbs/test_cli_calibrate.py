@@ -43,8 +43,17 @@ def test_bounds_and_deviations_from_the_command_line(prsm_json):
         (("--data", "nothing.csv"), "nothing.csv: there is no such file; give a CSV file, or the"),
         (("--data", "wu2022_torque", "--bounds", "lead=1 mm"), "must be NAME=LOWER:UPPER"),
         (("--data", "wu2022_torque", "--bounds", "lead=1 mm:2 mm"), "which is not fitted"),
+        (
+            ("--data", "wu2022_torque", "--bounds", "lead=11 mm:9 mm"),
+            "--bounds lead=11 mm:9 mm: 11 mm is not below 9 mm; reverse them: lead=9 mm:11 mm",
+        ),
         (("--data", "wu2022_torque", "--deviations", "drive_torque"), "must be QUANTITY=VALUE"),
         (("--data", "wu2022_torque", "--deviations", "drive_torque=1 mm"), "wrong unit: a length"),
+        (
+            ("--data", "wu2022_torque", "--deviations", "nut_speed=1 %"),
+            "'1 %' does not say of what",
+        ),
+        (("--data", "wu2022_torque", "--bounds", "coefficient=0.1:0.1"), "above the lower one"),
         (("--data", "wu2022_torque", "--loss", "l2"), "loss is 'l2'; choose one of squared"),
         (("--data", "wu2022_torque", "--parameters", "led"), "unknown parameter 'led'"),
     ],

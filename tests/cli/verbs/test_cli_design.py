@@ -1,5 +1,6 @@
 """The verbs that improve a design, and the demo: its optimum and its claims."""
 
+import dataclasses
 import json
 import tomllib
 from pathlib import Path
@@ -265,3 +266,32 @@ def test_demo(prsm, tmp_path):
     assert results["after"]["steady"]["efficiency"] == pytest.approx(claimed, rel=1e-6)
     # The report says so in words: per cent with the digits that it prints.
     assert f"{100 * claimed:.2f}" in (folder / "report.md").read_text()
+
+
+def test_warnings_are_constraints_on_request(prsm_json, tmp_path):
+    """20 threads between the gears of a roller of 50 mm: a pitch of 2 mm, a lead of 10 mm."""
+    start = scenes.frictionless(
+        roller=prsm_jax.mechanism.Roller(mass=0.03, inertia=4e-7, length=50e-3),
+        nut=prsm_jax.mechanism.Nut(mass=2.2, inertia=9e-4),
+        gear=prsm_jax.mechanism.Gear(np.radians(20), roller_teeth=16, face_width=6e-3),
+        sharing="equal",
+    )
+    problem = prsm_jax.mechanism.DesignProblem(
+        (
+            prsm_jax.mechanism.Variable("lead", 5e-3, 20e-3),
+            prsm_jax.mechanism.Variable("roller_radius", 3e-3, 5e-3),
+        ),
+        (prsm_jax.mechanism.Objective("nut_speed", "maximise"),),
+    )
+    path = tmp_path / "start.toml"
+    text = file.dumps(dataclasses.replace(start, design_problem=problem))
+    path.write_text(text, encoding="utf-8")
+    words = ("optimise", path, "--out", tmp_path / "out")
+    assert prsm_json(*words)["optimum"]["variables"]["lead"] > 12.4e-3
+    avoided = prsm_json(*words, "--avoid-warnings")
+    assert avoided["optimum"]["variables"]["lead"] == pytest.approx(10e-3, rel=1e-4)
+    front = prsm_json(
+        *("pareto", path, "--maximise", "nut_speed", "--minimise", "nut_radius"),
+        *("--points", "3", "--avoid-warnings"),
+    )
+    assert max(one["variables"]["lead"] for one in front["points"]) < 10.001e-3

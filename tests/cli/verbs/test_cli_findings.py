@@ -1,13 +1,17 @@
 """Impossible, locked and jammed mechanisms say what they are, in every verb."""
 
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 import scenes
 
 import prsm_jax
-from prsm_jax import file
+from prsm_jax import cli, file
+from prsm_jax.cli.verbs import _contact
+from prsm_jax.geometry import Finding
 
 #: Verbs with the least that they need.
 VERBS = {
@@ -82,6 +86,83 @@ def test_a_thread_that_does_not_move_has_no_efficiency(prsm, settings, name, wor
     (line,) = [line for line in out.splitlines() if line.startswith("efficiency")]
     assert line.split() == ["efficiency:", "none,", *name.replace("_", " ").split(), "–", "%"]
     assert words in " ".join(out.split())
+    # Of a jammed thread there are no forces and powers, but motions.
+    rows = {line.split("  ")[0]: line.split()[-2:] for line in out.splitlines() if "  " in line}
+    for row in ("drive torque", "input power", "loss: thread_sliding", "power balance residual"):
+        assert ("–" in rows[row]) == (name == "jammed"), row
+    assert "–" not in rows["stage 1: carrier ratio"]
+
+
+def _rows(out):
+    """Cells of each line of a table by its label."""
+    lines = (re.split(r"\s{2,}", line.strip()) for line in out.splitlines())
+    return {cells[0]: cells[1:] for cells in lines if len(cells) > 1}
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_without_a_load_there_is_no_trace_of_one(prsm, prsm_json, sense):
+    """Drag alone takes 0.2 N·m at 1200 rpm, 0.2 · 40 π W; no other force or power is left."""
+    verb = ("steady", "actuator", "--set", "load=0 N", "--set", "friction.drag.torque=0.2 N m")
+    verb = (*verb, "--set", f"speed={1200 * sense} rpm")
+    _, out, _ = prsm(*verb)
+    rows = _rows(out)
+    assert rows["drive torque"] == [f"{0.2 * sense}", "N·m"]
+    assert rows["loss: drag"] == rows["input power"] == [f"{0.2 * 40 * np.pi:.6g}", "W"]
+    others = [name for name in rows if name.startswith("loss: ") and name != "loss: drag"]
+    assert len(others) > 1
+    for name in (*others, "output power"):
+        assert rows[name] == ["0", "W"], name
+    assert rows["stage 1: normal force of screw on one roller"] == ["0", "N"]
+    assert rows["efficiency"] == ["0", "%"]
+    results = prsm_json(*verb)
+    assert results["output_power_w"] == results["efficiency"] == 0
+    assert results["contact_force_n"] == results["ring_gear_force_n"] == [0]
+    assert {name for name, power in results["losses_w"].items() if power != 0} == {"drag"}
+
+
+@pytest.mark.parametrize(("pressure", "shown"), [(0.0, 0.0), (3.4e8, 6.7e-4)])
+def test_threads_without_load_have_no_stiffness(pressure, shown):
+    """The stiffness of a Hertz contact goes to 0 with the cube root of its load."""
+    factors = {"thread_sharing_factor": 1.0, "roller_sharing_factor": 1.0}
+    shared = {"screw": factors, "nut": factors, "deflection_m": 0.0, "spacer_force_n": None}
+    shared |= dict.fromkeys(("max_pressure_pa", "whole_ellipse_max_pressure_pa"), pressure)
+    lines = _contact._lines_of_sharing(1, {**shared, "tangent_stiffness_n_per_m": 6.7e-4})
+    assert ("stage 1: load sharing, axial stiffness dF/dx", shown, "N/m") in lines
+
+
+def _documented_rows():
+    """Verbs of each row of the table of exit statuses in the documentation, with its words."""
+    page = (Path(__file__).parents[3] / "docs/command_line.md").read_text(encoding="utf-8")
+    head = "| verb | exit status 1 because of an error |\n|---|---|\n"
+    rows = page.split(head)[1].split("\n\n")[0].splitlines()
+    cells = [row.strip("| ").split(" | ", 1) for row in rows]
+    return {tuple(verbs.replace("`", "").split(", ")): words for verbs, words in cells}
+
+
+@pytest.mark.parametrize("verb", ["check", "steady", "campbell", "modal"])
+@pytest.mark.parametrize("kind", ["existence", "service"])
+def test_the_exit_status_is_what_the_documentation_says(prsm, monkeypatch, verb, kind):
+    one = Finding("screw_speed", "error", 1, 2.0, 1.0, "too fast", kind == "existence")
+    monkeypatch.setattr("prsm_jax.cli._common.check_from", lambda *_: (one,))
+    status, _, err = prsm(verb, "actuator", "--json", "-")
+    (words,) = [words for verbs, words in _documented_rows().items() if verb in verbs]
+    before, _, after = words.partition("; not for ")
+    assert status == int("every error" in before or kind in before)
+    assert (kind in after) == (status == 0)
+    if verb != "check":
+        assert err == "prsm: error found by check: screw_speed, stage 1: too fast\n"
+
+
+def test_every_verb_with_findings_is_in_the_table():
+    folder = Path(cli.__file__).parent / "verbs"
+    named = {verb for verbs in _documented_rows() for verb in verbs}
+    found: set[str] = set()
+    for path in folder.rglob("_*.py"):
+        for part in path.read_text(encoding="utf-8").split("@app.command\ndef ")[1:]:
+            body = part.split("\n\n\n")[0]
+            found |= {part.split("(")[0]} if "checked(" in body or "findings" in body else set()
+    # `demo` improves an example of its own.
+    assert found - {"demo"} == named
 
 
 def test_check_counts_errors(prsm):

@@ -263,7 +263,8 @@ def test_new_asks_for_what_is_not_given_until_it_can_be_read(asked, monkeypatch,
 
 
 def test_answers_are_read_with_their_units(asked, monkeypatch, capsys):
-    monkeypatch.setattr(_questions.sys, "stdin", _Terminal("500 km", "eighty", "80 mm"))
+    answers = _Terminal("500 km", "eighty", "80,5 mm", "80 mm")
+    monkeypatch.setattr(_questions.sys, "stdin", answers)
     assert main(["new", *_words(life=None, envelope=None)]) == 1
     (found,) = asked
     expected = {"load": 1e4, "stroke": 0.3, "speed": 0.1, "life": 5e5 / 0.1, "envelope": 0.08}
@@ -271,6 +272,7 @@ def test_answers_are_read_with_their_units(asked, monkeypatch, capsys):
     words = capsys.readouterr().err
     assert "Diameter of the bore for the nut (such as 80 mm): " in words
     assert "not a number with a unit" in words
+    assert "decimal comma; write 80.5 mm\n" in words
 
 
 def test_a_travel_is_given_before_the_speed_is_asked_for(asked, monkeypatch, capsys):
@@ -334,3 +336,29 @@ def test_new_replaces_a_file_only_by_force(asked, tmp_path, capsys):
     assert "there is no folder" in capsys.readouterr().err
     assert main(["new", ".", *_words()]) == 2
     assert "is a folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--load", "--stroke", "--speed", "--life", "--envelope"])
+def test_a_negative_value_is_a_value_and_not_an_option(option, capsys):
+    """With a space as with an equals sign; that it must be above 0 is said."""
+    messages = []
+    for words in ([option, "-5 kN"], [f"{option}=-5 kN"]):
+        assert main(["new", "screw.toml", *words]) == 2
+        messages.append(capsys.readouterr().err)
+    assert messages[0] == messages[1]
+    assert messages[0].startswith(f"prsm: {option} -5 kN: ")
+
+
+@pytest.mark.parametrize(
+    ("words", "option", "value"),
+    [
+        (["steady", "actuator", "--set", "-lead=5 mm"], "--set", "-lead=5 mm"),
+        (["study", "actuator", "--driver", "-lead"], "--driver", "-lead"),
+    ],
+)
+def test_where_a_value_cannot_begin_with_a_minus_the_remedy_is_said(words, option, value, capsys):
+    assert main(words) == 2
+    assert capsys.readouterr().err == (
+        f"prsm: {option} {value}: a value that begins with a minus is taken for an option; write "
+        f"{option}='{value}'\n"
+    )

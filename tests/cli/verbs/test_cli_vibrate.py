@@ -106,13 +106,16 @@ def test_pictures_are_written(prsm, tmp_path):
     ("words", "message"),
     [
         (("response", "wu2022", "--from", "screw z"), "choose one of screw x"),
-        (("response", "wu2022", "--points", "1"), "must be at least 2"),
+        (("response", "wu2022", "--points", "1"), "--points 1: must be a whole number from 2 to"),
         (("response", "wu2022", "--fmin", "10", "--fmax", "5"), "fmin below fmax"),
         (("response", "wu2022", "--ratio", "1"), "less than 1"),
         (("response", "wu2022", "--stage", "2"), "has 1 stage"),
         (("campbell", "wu2022", "--max-rpm", "0"), "must be more than 0"),
         (("campbell", "wu2022", "--orders", "belt"), "choose one of carrier"),
-        (("campbell", "wu2022", "--harmonics", "0"), "give at least 1"),
+        (
+            ("campbell", "wu2022", "--harmonics", "0"),
+            "--harmonics 0: must be a whole number from 1 to",
+        ),
         (("campbell", "li2020_two_stage"), "the screw has neither mass"),
     ],
 )

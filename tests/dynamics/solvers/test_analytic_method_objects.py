@@ -147,6 +147,31 @@ def test_what_a_method_does_not_take_is_refused(scene, method, options, message)
         prsm.simulate(ONE, scene, method=method, **options)
 
 
+@pytest.mark.parametrize(
+    ("option", "value", "words"),
+    [
+        *(("rtol", value, "above 0 and below 1") for value in (-1.0, 0.0, 1.0, np.nan, array(2.0))),
+        *(("atol", value, "above 0 and finite") for value in (-1e-9, 0.0, np.inf)),
+        ("atol", array(-1.0), "above 0 and finite"),
+        ("max_steps", 0, "1 or more"),
+    ],
+)
+def test_tolerances_and_steps_out_of_range_are_refused(option, value, words):
+    for made in (
+        lambda: prsm.Rodasp(**{option: value}),
+        lambda: prsm.Diffrax(diffrax.Tsit5(), **{option: value}),
+        lambda: prsm.simulate(ONE, STEP, method="implicit", **{option: value}),
+    ):
+        with pytest.raises(ValueError, match=rf": {option} is .*; give (a number )?{words}"):
+            made()
+
+
+def test_a_traced_tolerance_is_not_read():
+    """So that tolerances can be swept by `vmap`, or differentiated by."""
+    batch = jax.vmap(lambda r: prsm.Rodasp(rtol=r).rtol)(array([1e-4, 1e-6]))
+    np.testing.assert_array_equal(batch, [1e-4, 1e-6])
+
+
 class BogackiShampine(Integrating):
     """A method of a user's own, for one mode of differentiation."""
 

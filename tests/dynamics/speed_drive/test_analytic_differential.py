@@ -202,3 +202,11 @@ def test_what_is_not_known_is_refused():
     assert "nut_moved_by_carriers" not in names
     names = traced(lambda m: prsm.simulate(m, scenario, method="rosenbrock").efficiency, one)
     assert "nut_moved_by_carriers" in names
+
+
+def test_a_load_that_depends_on_the_motion_is_refused():
+    """Friction changes the travel of the nut, which is not that of the turns of the screw."""
+    load = prsm.scenario.HingeLoad(constant=3000.0, stiffness=2e5)
+    scene = prsm.Scenario(speed=60.0, load=load, duration=0.05)
+    with pytest.raises(prsm.MissingDataError, match=r"type 'differential'.*function of time"):
+        prsm.simulate(_one(), scene)

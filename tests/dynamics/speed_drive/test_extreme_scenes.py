@@ -130,6 +130,22 @@ def test_a_method_that_gives_up_keeps_its_own_code():
     assert run.solver.result.startswith("out of steps")
 
 
+@pytest.mark.parametrize(
+    ("moved", "method"), [("load", "rosenbrock"), ("speed", "quasi_steady"), ("load", "auto")]
+)
+def test_a_function_that_becomes_nan_is_the_reason(moved, method):
+    """No number of steps, and no other friction, would help."""
+    constant = {"speed": 100.0, "load": 7e3}
+
+    def ends(time):
+        return jnp.where(time > 1e-3, jnp.nan, constant[moved])
+
+    driven: dict[str, Any] = constant | {moved: ends}
+    scenario = Scenario(**driven, duration=2e-3, samples=5)
+    with pytest.raises(prsm.PrsmError, match="has invalid input: not finite"):
+        prsm.simulate(scenes.mechanism(), scenario, method=method)
+
+
 def test_a_half_space_under_a_load_that_no_half_space_bears_says_so():
     stage = example("actuator").stages[0]
     solve = eqx.filter_jit(functools.partial(flank_contact, side="screw", shape=(32, 32)))

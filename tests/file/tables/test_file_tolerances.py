@@ -141,3 +141,10 @@ def test_an_unknown_name_cannot_be_written():
     rows = (Tolerance("leed", -1e-5, 1e-5),)
     with pytest.raises(FileError, match=r"\[tolerances\] table cannot be written: unknown"):
         file.dumps(dataclasses.replace(file.load("wu2022"), tolerances=rows))
+
+
+@pytest.mark.parametrize("value", ['"±5 %"', '{ lower = "-5 %", upper = "5 %" }'])
+def test_a_share_of_a_number_is_no_tolerance(value):
+    """5 % would be read as 0.05, of a coefficient of 0.08 more than a half."""
+    with pytest.raises(FileError, match=r"5 %' does not say of what; give the deviation"):
+        _read(f'"thread.coefficient" = {value}')

@@ -104,7 +104,8 @@ def test_same_pressures(found, monkeypatch):
     # Report.
     sections = {section.anchor: section for section in report_sections(data)}
     (words,) = (w for w in sections["summary"].paragraphs if "contact pressure" in w)
-    assert_reads(words, (shared, "Pa"), (max(cut), "Pa"))
+    load = data.mechanism.operating_point.load
+    assert_reads(words, (load, "N"), (shared, "Pa"), (max(cut), "Pa"))
     (table,) = sections["contact"].tables
     for row, p, w in zip(table.rows, cut, whole, strict=True):
         cells = dict(zip(table.head, row, strict=True))

@@ -108,6 +108,26 @@ def test_a_result_in_two_formats_is_computed_once(run, monkeypatch):
     printed.finish()
 
 
+def test_older_files_stay_if_one_cannot_be_replaced_and_keep_their_permissions(
+    monkeypatch, tmp_path, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PRSM_JAX_CACHE", "")
+    older = tmp_path / "o" / "wu2022-export.toml"
+    (tmp_path / "o" / "wu2022.dxf").mkdir(parents=True)
+    older.write_text("older")
+    older.chmod(0o664)
+    words = ["export", "wu2022", "--as", "toml,dxf", "--out", "o"]
+    assert main(words) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "wu2022.dxf: is a folder; remove it, or give another one with --out" in line
+    assert older.read_text() == "older"
+    (tmp_path / "o" / "wu2022.dxf").rmdir()
+    assert main(words) == 0
+    assert older.read_text() != "older"
+    assert older.stat().st_mode & 0o777 == 0o664
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -115,6 +135,12 @@ def test_a_result_in_two_formats_is_computed_once(run, monkeypatch):
         (("--as", ","), "--as names no format"),
         (("--as", "tables"), "has no duty cycle"),
         (("--as", "step"), "there is no solid"),
+        # The first format could be written, and the first result computed.
+        (("--as", "toml,dxf,tables"), "has no duty cycle"),
+        (
+            ("--as", "mat,csv,toml", "--result", "steady"),
+            "--result steady: a steady state has no histories for a CSV file; choose mat or nc",
+        ),
         (("--as", "dxf", "--scenario", "absent.csv"), "absent.csv: there is no such file"),
     ],
 )
@@ -123,6 +149,7 @@ def test_what_cannot_be_exported_is_one_line_and_writes_nothing(
 ):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PRSM_JAX_CACHE", "")
+    monkeypatch.setattr(_export, "steady_state", None)
     assert main(["export", "wu2022", *words]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert message in line

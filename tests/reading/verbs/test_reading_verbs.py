@@ -202,10 +202,21 @@ def test_steady(run, monkeypatch):
     printed.line("power balance residual", state.power_balance_residual, "")
     for k in range(2):
         printed.line(f"stage {k + 1}: carrier ratio", state.carrier_ratio[k], "")
-        words = f"stage {k + 1}: contact force of one roller"
+        words = f"stage {k + 1}: normal force of screw on one roller"
         printed.line(words, state.contact_force[k], "N")
     printed.row("Steady state: li2020_two_stage")
     printed.finish()
+
+
+def test_steady_of_an_inverted_screw_names_the_nut(run, monkeypatch):
+    """Its nut turns, and the force is that of the nut on the rollers, which slide there."""
+    state = made.steady()
+    monkeypatch.setattr(_analyse, "run_stored", _directly)
+    monkeypatch.setattr(_analyse, "steady_state", lambda _: state)
+    monkeypatch.setattr(_analyse, "checked", lambda _: ())
+    _, printed = run("steady", "humanoid_leg")
+    words = "stage 1: normal force of nut on one roller"
+    printed.line(words, state.contact_force[0], "N")
 
 
 @reads("verb", "simulate")

@@ -1,5 +1,7 @@
 """Charts of strength: readable, with units, and with the numbers of the laws."""
 
+import dataclasses
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
@@ -12,7 +14,12 @@ from prsm_jax import strength
 from prsm_jax.findings import StrengthCheck
 from prsm_jax.mechanism import AxialPlay, DutyCycle
 from prsm_jax.report import ReportData, life_chart, shaft_limits_chart
-from prsm_jax.report.document._status_section import label_of, limit_text
+from prsm_jax.report.document._status_section import (
+    label_of,
+    limit_text,
+    status_section,
+    value_text,
+)
 from prsm_jax.report.document._strength_section import _strength_pictures, strength_section
 from prsm_jax.report.interactive import shaft_limit_curves
 from prsm_jax.strength import (
@@ -167,6 +174,27 @@ def test_the_life_in_a_report_is_drawn_with_the_preload(actuator):
     assert "preload" not in alone.caption
 
 
+def test_safety_and_pressures_name_their_loads():
+    """At 3 kN the pressure is 2022 MPa, at heel strike, 6 kN, higher by the cube root of 2.
+
+    So the static safety under 6 kN is (4200/2022)³ · 3/6 for the permissible 4200 MPa.
+    """
+    leg = prsm.load("humanoid_leg")
+    data = ReportData(leg, "a title", checks=prsm.strength_checks(leg))
+    table, *_ = status_section(data).tables
+    cells = {row[0]: row[1].split() for row in table.rows}
+    pressure, unit = cells["contact pressure at the operating point, equal sharing"]
+    assert unit == "MPa"
+    (safety,) = cells["static safety under the largest load"]
+    assert float(safety) == pytest.approx((4200 / float(pressure)) ** 3 * 3 / 6, rel=2e-3)
+    shared = StrengthCheck("max_pressure_shared", 1, 2e9, None, "Pa", True, None, "1", "no limit")
+    assert label_of(shared) == "contact pressure at the operating point, most loaded thread"
+    preloaded = dataclasses.replace(shared, name="preloaded_pressure")
+    assert label_of(preloaded) == (
+        "contact pressure at the operating point with preload, equal sharing"
+    )
+
+
 def test_jamming_is_a_coefficient_or_a_share_of_force():
     """Of rollers without lead no coefficient jams: the share is limited from below."""
     upper = StrengthCheck("jamming", 1, 0.05, 0.7, "1", True, 0.6, "1", "pass")
@@ -175,3 +203,10 @@ def test_jamming_is_a_coefficient_or_a_share_of_force():
     assert limit_text(upper) == "at most 0.7000"
     assert label_of(lower) == "share of the axial thread force that carries load"
     assert limit_text(lower) == "at least 0.3000"
+
+
+def test_a_load_of_zero_that_drag_holds_has_no_efficiency():
+    """The power of drag over a vanishing load is no number that an engineer can use."""
+    held = StrengthCheck("self_locking", 1, -7.9e30, None, "1", False, None, "1", "no limit")
+    assert value_text(held) == "self-locking"
+    assert value_text(dataclasses.replace(held, value=-0.3)).startswith("\N{MINUS SIGN}0.3")

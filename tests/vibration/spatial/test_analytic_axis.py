@@ -36,12 +36,12 @@ from prsm_jax.vibration import (
 )
 
 _axial = eqx.filter_jit(axial_torsional_modes)
-_statics = eqx.filter_jit(
+statics = eqx.filter_jit(
     lambda system, place: static_compliance(spatial_harmonic_network(system, 0), place)
 )
 
 
-def _springs_of(axis, stage):
+def springs_of(axis, stage):
     """Torsional stiffness of the train [N·m/rad], bars [N/m] and shaft [N·m/rad] by textbooks."""
     material, screw = present(stage.material), stage.screw
     modulus, poisson = number(material.youngs_modulus), number(material.poisson_ratio)
@@ -61,14 +61,14 @@ def _springs_of(axis, stage):
     }
 
 
-def _axis_assembled(axis, stage):
+def axis_assembled(axis, stage):
     """Stage and axis from vectors: three more bodies, of which some coordinates stay unused."""
     held = present(stage.screw.support)
     bearing = number(held.axial_stiffness)
     bare = dataclasses.replace(held, axial_stiffness=None)
     screw = dataclasses.replace(stage.screw, support=bare)
     assembly = assembled(dataclasses.replace(stage, screw=screw))
-    springs = _springs_of(axis, stage)
+    springs = springs_of(axis, stage)
     length, near = number(stage.screw.length), number(axis.shaft.nut_distance)
     far = axis.shaft.far_bearing
     beyond = number(far.distance) - near
@@ -105,7 +105,7 @@ def _whole(count=7):
 def test_matrices_are_those_of_an_assembly_from_vectors():
     stage = axis_stage(3)
     network = network_of(_whole(3))
-    found, expected, _ = assert_assembled(network, _axis_assembled(AXIS, stage), stage)
+    found, expected, _ = assert_assembled(network, axis_assembled(AXIS, stage), stage)
     # The soft springs too: those of the motor are a millionth of the largest.
     for name in ("motor u", "load z", "screw_end z", "screw_end u", "screw_far_end z"):
         at = network.index(name)
@@ -230,7 +230,7 @@ def test_static_stiffness_is_that_of_springs_in_series():
     axis = dataclasses.replace(
         AXIS, shaft=dataclasses.replace(present(AXIS.shaft), far_bearing=None)
     )
-    springs = _springs_of(axis, stage)
+    springs = springs_of(axis, stage)
     lever = number(stage.thread.lead) / (2 * np.pi)
     meshing = prsm.mesh(stage.thread)
     screw, nut = np.asarray(meshing.screw.normal), np.asarray(meshing.nut.normal)
@@ -250,10 +250,10 @@ def test_static_stiffness_is_that_of_springs_in_series():
     around = 1 / springs["train"] + 1 / springs["twist"] + 1 / key
     held = along + lever**2 * around
     place = Coordinate("load", "z")
-    found = _statics(system_of(stage, THREADS, axis=axis, motor_held=True), place)
+    found = statics(system_of(stage, THREADS, axis=axis, motor_held=True), place)
     # The moment arm of a force is the rounding of a root; rollers that roll freely are no spring.
     assert float(found) == pytest.approx(held, rel=1e-10)
-    found = _statics(system_of(stage, THREADS, axis=axis), place)
+    found = statics(system_of(stage, THREADS, axis=axis), place)
     assert float(found) == pytest.approx(held + lever**2 / 60.0, rel=1e-10)
 
 
@@ -289,7 +289,7 @@ def test_static_stiffness_is_that_of_the_load_sharing_where_shafts_are_rigid():
     # An axial support of the carrier would hold the nut.
     held = eqx.tree_at(lambda s: s.carrier.support.axial_stiffness, held, jnp.asarray(0.0))
     system = system_of(held, threads, sticking=False, axis=Axis(load=AxisLoad(mass=1.0)))
-    found = 1 / float(_statics(system, Coordinate("nut", "z")))
+    found = 1 / float(statics(system, Coordinate("nut", "z")))
     # What holds the rollers is 1e9 times as stiff as their threads.
     assert found == pytest.approx(expected, rel=1e-9)
 
@@ -324,7 +324,7 @@ def test_compliance_is_the_inverse_of_the_dynamic_stiffness_from_vectors():
     """With both gains of the controller; N = 7 rollers, of which the package uses harmonic 0."""
     stage = axis_stage()
     network = network_of(_whole())
-    _, stiffness, mass = assert_assembled(network, _axis_assembled(AXIS, stage), stage)
+    _, stiffness, mass = assert_assembled(network, axis_assembled(AXIS, stage), stage)
     radius = number(stage.thread.screw_radius)
     hertz = np.array([3.0, 20.0, 140.0, 900.0, 6000.0])
     found = _compliance(_mechanism(), jnp.asarray(hertz))

@@ -27,8 +27,8 @@ AXIS = Axis(
 )  # fmt: skip
 
 
-def _stage(count=3, carriers_held=False):
-    """Held along the axis at its nut, and against turning at its screw."""
+def _stage(count=3, mounting=None, carriers_held=False):
+    """Held along the axis at its nut, and against turning at its screw; mounted to its load."""
     stage = held("inverted", count)
     if not carriers_held:
         carrier = present(stage.carrier)
@@ -37,7 +37,10 @@ def _stage(count=3, carriers_held=False):
     return dataclasses.replace(
         stage,
         screw=dataclasses.replace(
-            stage.screw, support=Support(radial_stiffness=4e8, torsional_stiffness=3e7)
+            stage.screw,
+            support=Support(
+                radial_stiffness=4e8, torsional_stiffness=3e7, axial_stiffness=mounting
+            ),
         ),
         nut=dataclasses.replace(
             stage.nut, support=Support(radial_stiffness=3e8, axial_stiffness=2.5e8)
@@ -47,11 +50,22 @@ def _stage(count=3, carriers_held=False):
 
 def _assembled(stage):
     """Stage and axis from vectors, with bars and shafts of textbooks."""
-    held_by = present(stage.screw.support)
-    bare = dataclasses.replace(held_by, torsional_stiffness=None)
+    held_by, carrier = present(stage.screw.support), present(stage.carrier)
+    bare = dataclasses.replace(held_by, torsional_stiffness=None, axial_stiffness=None)
+    cage = dataclasses.replace(present(carrier.support), axial_stiffness=None)
     assembly = assembled(
-        dataclasses.replace(stage, screw=dataclasses.replace(stage.screw, support=bare))
+        dataclasses.replace(
+            stage,
+            screw=dataclasses.replace(stage.screw, support=bare),
+            carrier=dataclasses.replace(carrier, support=cage),
+        )
     )
+    # The screw and the carriers on it are mounted to the load, behind the joint.
+    supports = held_by.axial_stiffness, present(carrier.support).axial_stiffness
+    mounting = sum(number(one) for one in supports if one is not None)
+    tube = number(present(AXIS.load).tube_stiffness)
+    if mounting > 0:
+        tube = tube * mounting / (tube + mounting)
     material, thread = present(stage.material), stage.thread
     outer = 2 * (number(thread.screw_radius) - number(thread.roller_addendum))
     inner, near = 2 * number(stage.screw.bore_radius), number(present(AXIS.shaft).nut_distance)
@@ -75,7 +89,7 @@ def _assembled(stage):
         ("screw_end", "screw", along, bar),
         ("screw_end", "screw", turn, twist),
         ("motor", "nut", turn, train),
-        ("load", "screw_end", along, number(load.tube_stiffness)),
+        ("load", "screw_end", along, tube),
     ):
         assembly.rows.append(assembly.row((first, way), (second, -way)))
         assembly.stiffness.append(stiffness)
@@ -85,8 +99,9 @@ def _assembled(stage):
     return assembly
 
 
-def test_matrices_are_those_of_an_assembly_from_vectors():
-    stage = _stage(carriers_held=True)
+@pytest.mark.parametrize(("mounting", "carriers_held"), [(None, False), (3e7, False), (3e7, True)])
+def test_matrices_are_those_of_an_assembly_from_vectors(mounting, carriers_held):
+    stage = _stage(mounting=mounting, carriers_held=carriers_held)
     system = system_of(stage, THREADS, axis=AXIS)
     network = network_of(system)
     found, expected, _ = assert_assembled(network, _assembled(stage), stage)

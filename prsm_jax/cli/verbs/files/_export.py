@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -11,7 +12,7 @@ from cyclopts import Parameter
 from ...._errors import PrsmError, UnknownNameError, closest
 from ....dynamics import default_scenario, simulate, steady_state
 from ....mechanism import Mechanism
-from ....process import make_folder
+from ....process import make_folder, placing_in, put_file, temporary_folder
 from ....quantities import catalogue
 from ....results import Result
 from ....scenario import depends_on_motion
@@ -33,6 +34,7 @@ class _Wanted:
 
     mechanism: Mechanism
     file: str
+    #: Temporary: files are moved to their places when all of them are complete.
     folder: Path
     result: Literal["transient", "steady"]
     #: Filled by the format `step`.
@@ -47,7 +49,7 @@ class _Wanted:
         return simulate(self.mechanism, default_scenario(self.mechanism))
 
     def path(self, ending: str) -> Path:
-        """A path named after the file, such as `out/actuator.dxf` or `out/actuator-steady.mat`."""
+        """A path named after the file, such as `…/actuator.dxf` or `…/actuator-steady.mat`."""
         return self.folder / f"{Path(self.file).stem}{ending}"
 
 
@@ -149,16 +151,41 @@ _FORMATS: dict[str, Callable[[_Wanted], list[Path]]] = {
     "tables": _tables,
     "toml": _toml,
 }
+#: Formats that need an analysis; the others come first, since a refusal is then quick.
+_ANALYSED = ("xlsx", "mat", "nc", "csv")
 
 
-def _formats(text: str) -> list[str]:
+def _formats(text: str, result: str) -> list[str]:
     words = list(dict.fromkeys(words_of(text) or ()))
     for word in words:
         if word not in _FORMATS:
             raise UnknownNameError(f"--as {word}: unknown format; {closest(word, _FORMATS)}")
     if not words:
         raise PrsmError(f"--as names no format; give some of {', '.join(_FORMATS)}")
+    if result == "steady" and "csv" in words:
+        raise PrsmError(
+            "--as csv --result steady: a steady state has no histories for a CSV file; choose mat "
+            "or nc, or --result transient"
+        )
     return words
+
+
+def _written(wanted: _Wanted, formats: list[str], folder: Path) -> dict[str, list[Path]]:
+    """The files of each format in the folder: all of them, or none if one cannot be made.
+
+    **Raises:** `PrsmError` if a folder has the name of a file.
+    """
+    quick_first = sorted(formats, key=lambda one: one in _ANALYSED)
+    made = {one: _FORMATS[one](wanted) for one in quick_first}
+    for path in itertools.chain(*made.values()):
+        if (folder / path.name).is_dir():
+            raise PrsmError(
+                f"{folder / path.name}: is a folder; remove it, or give another one with --out"
+            )
+    with placing_in(folder):
+        for path in itertools.chain(*made.values()):
+            put_file(path, folder / path.name)
+    return {one: [folder / path.name for path in made[one]] for one in formats}
 
 
 def _masses_as_text(solids: "list[SolidMass]") -> str:
@@ -214,7 +241,7 @@ def export(
         ),
     ],
     result: Annotated[
-        Literal["transient", "steady"], Parameter(help="What mat, nc and csv hold.")
+        Literal["transient", "steady"], Parameter(help="What mat and nc hold; csv holds histories.")
     ] = "transient",
     scenario: Annotated[
         Path | None,
@@ -237,7 +264,7 @@ def export(
     keeps them. Files are written to --out (default out/export) and named after the mechanism's.
     With `--as step`, the masses of the solids are compared with those of the model.
     """
-    formats = _formats(as_)
+    formats = _formats(as_, result)
     common.check_targets(_FOLDER)
     mechanism = common.load(file)
     if scenario is not None or duty_cycle is not None:
@@ -248,8 +275,9 @@ def export(
         if duty_cycle is not None:
             mechanism = dataclasses.replace(mechanism, duty_cycle=read_duty_cycle(duty_cycle))
     folder = make_folder(Path(_FOLDER) if common.out is None else common.out)
-    wanted = _Wanted(mechanism, file, folder, result)
-    written = {one: _FORMATS[one](wanted) for one in formats}
+    with temporary_folder(folder, ".export-") as partial:
+        wanted = _Wanted(mechanism, file, partial, result)
+        written = _written(wanted, formats, folder)
     listed = [path for paths in written.values() for path in paths]
     results: dict[str, object] = {"files": written}
     lines = "\n".join(map(str, listed))

@@ -22,21 +22,26 @@ _DEFAULT = Output()
 _NEXT = ("check", "steady", "sensitivity")
 
 
+def _quantity(help: str) -> Parameter:
+    """A number with a unit; one that begins with a minus is a value, not another option."""
+    return Parameter(help=help, allow_leading_hyphen=True)
+
+
 @app.command
 def new(
     file: Annotated[Path, Parameter(help="The new file.")] = Path("my_screw.toml"),
     *,
-    load: Annotated[str | None, Parameter(help="Axial load on the nut, such as '10 kN'.")] = None,
-    stroke: Annotated[str | None, Parameter(help="Travel of the nut, such as '300 mm'.")] = None,
+    load: Annotated[str | None, _quantity(help="Axial load on the nut, such as '10 kN'.")] = None,
+    stroke: Annotated[str | None, _quantity(help="Travel of the nut, such as '300 mm'.")] = None,
     speed: Annotated[
-        str | None, Parameter(help="Largest speed of the nut, such as '100 mm/s'.")
+        str | None, _quantity(help="Largest speed of the nut, such as '100 mm/s'.")
     ] = None,
     life: Annotated[
         str | None,
-        Parameter(help="Time at this load and speed ('5000 h'), or travel in it ('500 km')."),
+        _quantity(help="Time at this load and speed ('5000 h'), or travel in it ('500 km')."),
     ] = None,
     envelope: Annotated[
-        str | None, Parameter(help="Diameter of the bore for the nut, such as '80 mm'.")
+        str | None, _quantity(help="Diameter of the bore for the nut, such as '80 mm'.")
     ] = None,
     force: Annotated[
         bool, Parameter(negative="", help="Replace a file that exists already.")

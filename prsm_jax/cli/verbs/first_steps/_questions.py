@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ...._errors import PrsmError
 from ....file import read_quantity
+from ....text import comma_in_number
 from ..._progress import clear
 
 
@@ -94,6 +95,8 @@ def _read(question: Question, text: str, speed: str | None) -> float:
     try:
         value = _value(question, text, speed)
     except ValueError as error:
+        if comma := comma_in_number(text):
+            raise ValueError(comma) from error
         # A bare number would be in SI: 300 m of stroke in place of 300 mm.
         reason = str(error).partition(";")[0]
         raise ValueError(f"{reason}; give it with its unit, such as {question.example}") from error

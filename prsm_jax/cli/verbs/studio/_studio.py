@@ -9,6 +9,7 @@ from cyclopts import Parameter
 
 from ..._app import app
 from ..._common import Common, emit
+from ..._counts import count
 from ..._progress import clear
 
 _DEFAULT = Common()
@@ -19,7 +20,7 @@ def studio(
     file: str,
     *,
     port: Annotated[
-        int, Parameter(help="Port of the loopback interface; 0 for any that is free.")
+        int, count(0, 65_535, help="Port of the loopback interface; 0 for any that is free.")
     ] = 0,
     no_browser: Annotated[
         bool, Parameter(negative="", help="Print the address; do not open a browser.")
