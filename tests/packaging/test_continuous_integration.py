@@ -8,16 +8,17 @@ import pytest
 
 SCRIPT = Path(__file__).parents[2] / ".ci" / "run"
 pytestmark = pytest.mark.skipif(not SCRIPT.exists(), reason="source archives have no .ci/run")
-_MAKE = '#!/bin/sh\necho "make $*"\ntest "$*" != "$FAILS"\n'
+_MAKE = '#!/bin/sh\necho "make $*"\ntest "$*" != "$FAILS" -a "$*" != "$FAILS_TOO"\n'
 _GIT = "#!/bin/sh\necho 6\n"
 _CHECKS = [
     "allocator",
     "test",
     ".venv/.installed-docs",
-    "--jobs 2 --output-sync=target versions lint docs",
+    "--keep-going --jobs 2 --output-sync=target versions lint docs",
     "guard",
     "browser",
 ]
+_PARTS = [f"slow PARTS={k}/4" for k in (3, 4, 1, 2)]
 
 
 def _run(folder, **environment):
@@ -27,7 +28,7 @@ def _run(folder, **environment):
     path = f"{folder}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         ["bash", str(SCRIPT)],
-        env=os.environ | {"PATH": path, "FAILS": ""} | environment,
+        env=os.environ | {"PATH": path, "FAILS": "", "FAILS_TOO": ""} | environment,
         capture_output=True,
         text=True,
         check=False,
@@ -40,8 +41,7 @@ def _made(*words):
 
 
 def test_all_parts_run_and_each_commit_begins_with_another(tmp_path):
-    parts = [f"slow PARTS={k}/4" for k in (3, 4, 1, 2)]
-    assert _run(tmp_path, PRSM_CI_SECONDS="600") == (0, _made(*parts))
+    assert _run(tmp_path, PRSM_CI_SECONDS="600") == (0, _made(*_PARTS))
 
 
 def test_parts_for_which_no_time_is_left_are_named(tmp_path):
@@ -50,17 +50,22 @@ def test_parts_for_which_no_time_is_left_are_named(tmp_path):
     assert lines[-1].startswith("NOT RUN: slow tests, part 3/4 4/4 1/4 2/4, for want of time")
 
 
-@pytest.mark.parametrize("fails", ["test", "guard"])
-def test_what_fails_ends_it(tmp_path, fails):
+@pytest.mark.parametrize(
+    ("fails", "name"),
+    [
+        ("test", "test"),
+        ("guard", "guard"),
+        (_CHECKS[3], "versions, lint or docs"),
+        ("slow PARTS=4/4", "slow tests, part 4/4"),
+    ],
+)
+def test_a_step_that_fails_does_not_hide_the_others(tmp_path, fails, name):
     code, lines = _run(tmp_path, PRSM_CI_SECONDS="600", FAILS=fails)
-    assert code != 0
-    assert lines[-1] == f"make {fails}"
+    assert code == 1
+    assert lines == [*_made(*_PARTS), f"FAILED: {name}"]
 
 
-def test_a_part_that_fails_does_not_hide_the_others(tmp_path):
-    code, lines = _run(tmp_path, PRSM_CI_SECONDS="600", FAILS="slow PARTS=4/4")
-    assert code != 0
-    assert lines == [
-        *_made(*(f"slow PARTS={k}/4" for k in (3, 4, 1, 2))),
-        "FAILED: slow tests, part 4/4",
-    ]
+def test_all_steps_that_fail_are_named(tmp_path):
+    code, lines = _run(tmp_path, PRSM_CI_SECONDS="-1", FAILS_TOO="test", FAILS="guard")
+    assert code == 1
+    assert lines[-2:] == ["FAILED: test", "FAILED: guard"]
