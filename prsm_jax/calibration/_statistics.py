@@ -122,6 +122,8 @@ def repeat_fits(
     - `repetitions`, `seed`: number of repetitions, and seed of the noise.
 
     **Returns:** values and limits of each repetition.
+
+    **Raises:** `ValueError` unless `values` has one number for each parameter.
     """
     true = jnp.asarray(values, problem.start.dtype)
     if true.shape != problem.start.shape:

@@ -211,7 +211,7 @@ def _findings_text(findings: Sequence[Finding]) -> str:
             words = f"prsm check finds {severity}s: {listed}"
             lines += textwrap.wrap(words, 78, subsequent_indent="  ")
     if any(finding.impossible for finding in findings):
-        lines.append("Not valid: no such mechanism can be built.")
+        lines.append("Not valid: the mechanism cannot be built as drawn.")
     return "\n" + "\n".join(lines) + "\n" if lines else ""
 
 

@@ -48,7 +48,7 @@ def count(least: int, most: int | None = None, *, help: str) -> Parameter:
     return Parameter(help=help, validator=validate, converter=whole)
 
 
-def told(error: CycloptsError, words: Sequence[str]) -> str:
+def error_text(error: CycloptsError, words: Sequence[str]) -> str:
     """What is wrong with the words after `prsm`, in the form of the package's own messages."""
     argument = error.argument
     if isinstance(error, ValidationError) and argument is not None and argument.tokens:

@@ -11,7 +11,7 @@ from ..programs import works_beside
 from ..text import printable
 from ._plugins import has_plugins, load_plugin, without_plugins
 from ._progress import erase_for_good, progress
-from ._streams import make_patient, stdout_failure
+from ._streams import ignore_failed_output, stdout_failure
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -29,8 +29,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # This process is the command line; a program that calls it keeps its own signal handlers.
         end_on_signals()
         clear_first(erase_for_good)
-        make_patient()
-        # What has been imported stays: no search for garbage looks at it again.
+        ignore_failed_output()
+        # Imported objects stay: the garbage collector need not visit them again.
         gc.freeze()
     words = list(sys.argv[1:] if arguments is None else arguments)
     status, message = _run(words, alone=arguments is None)
@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # From here on the result is final; an earlier signal has ended the process.
     keep_result()
     if arguments is None:
-        # The last search for garbage before the process ends takes a twentieth of its time.
+        # The last garbage collection before the process ends takes a twentieth of its time.
         gc.disable()
     if message:
         print(f"prsm: {printable(' '.join(message.split()))}", file=sys.stderr)
@@ -67,7 +67,7 @@ def _run(words: list[str], alone: bool) -> tuple[int, str]:
     with progress(words[0] if words else ""):
         from ..programs import keep_list, run_one_verb, runs_one_verb
         from ._compiled import keep_compiled_programs, tell_of_trouble_once
-        from ._counts import told
+        from ._counts import error_text
         from ._verbs import app
 
         keep_compiled_programs()
@@ -88,7 +88,7 @@ def _run(words: list[str], alone: bool) -> tuple[int, str]:
         except KeyboardInterrupt:
             return 130, "stopped (Ctrl-C)"
         except CycloptsError as error:
-            return 2, told(error, words)
+            return 2, error_text(error, words)
         except (PrsmError, ValueError) as error:
             return 2, str(error)
         except OSError as error:

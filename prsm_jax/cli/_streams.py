@@ -21,7 +21,7 @@ class _Sink(io.FileIO):
         return memoryview(data).nbytes
 
 
-def make_patient() -> None:
+def ignore_failed_output() -> None:
     """Make printing raise no exception if stdout or stderr of this process fails."""
     if os.name != "posix":
         return  # a Windows console is not a file of bytes

@@ -7,6 +7,7 @@ from ._kinematics import (
     roller_migration as roller_migration,
     slip_velocity as slip_velocity,
     stage_kinematics as stage_kinematics,
+    travel_per_radian as travel_per_radian,
     travel_per_turn as travel_per_turn,
     travel_share as travel_share,
     turned_contact as turned_contact,

@@ -8,6 +8,7 @@ are those of the standard type: "screw" is the body that turns, "nut" the one th
 
 import dataclasses
 from collections.abc import Sequence
+from warnings import warn
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -180,7 +181,7 @@ def ideal_carrier_ratio(thread: Thread) -> Scalar:
     return thread.ideal_carrier_ratio
 
 
-def travel_per_turn(stages: Sequence[Stage], upto: int) -> Scalar:
+def travel_per_radian(stages: Sequence[Stage], upto: int) -> Scalar:
     """Axial travel of the nut of stage `upto` (1-based count) per radian of screw turn [m/rad].
 
     If the nut has grooves, times 1 − ζ with the carrier ratio ζ (`travel_share`).
@@ -189,6 +190,12 @@ def travel_per_turn(stages: Sequence[Stage], upto: int) -> Scalar:
     for stage in stages[:upto]:
         travel = travel + stage.thread.lead
     return travel / (2 * jnp.pi)
+
+
+def travel_per_turn(stages: Sequence[Stage], upto: int) -> Scalar:
+    """Old name of `travel_per_radian`: its unit is m/rad, and "turn" suggested m per revolution."""
+    warn("travel_per_turn: the name is now travel_per_radian", DeprecationWarning, stacklevel=2)
+    return travel_per_radian(stages, upto)
 
 
 def travel_share(thread: Thread, carrier_ratio: Scalar) -> Scalar | None:

@@ -91,7 +91,7 @@ def simulate(
     Threads with LuGre friction add the deflections of their bristles to the states. These are
     stiff, so choose a method for stiff scenes.
 
-    States are the carrier speeds, `[2 J_P + N J_R (n − 1)² + N m_R a²] ω̇ = N f·d − resisting
+    States are the carrier speeds, `[n_P J_P + N J_R (n − 1)² + N m_R a²] ω̇ = N f·d − resisting
     moments` (Li et al. 2021, in Lagrange's form); all forces follow algebraically at the sample
     times. Speed and time are scaled internally by the highest screw speed and the shortest time
     constant, so the tolerances are relative to those.

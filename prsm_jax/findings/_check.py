@@ -60,7 +60,7 @@ def plain_numbers(values: list[Any]) -> list[dict[str, float] | None]:
 def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     """Findings that an engineer should know before trusting the results of a mechanism.
 
-    Do the parts fit: `dimension`, `feasible_ratio`, `roller_clearance`, `gear_assembly`,
+    Do the parts fit: `dimension`, `bore`, `feasible_ratio`, `roller_clearance`, `gear_assembly`,
     `gear_mismatch`, `carrier_clearance`, `thread_length`, `pointed_tooth`, `meshing`,
     `contact_on_flank`, `tooth_thickness`, `backlash`. Can they be made with usual tools:
     `unusual_lead`, `unusual_module`. Are the numbers for vibration plausible: `inertia`, `mass`,
@@ -68,9 +68,10 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     `self_locking`. Does it last: `static_safety`, `rating_life`, `buckling`, `screw_speed`,
     `false_brinelling`, `contact_truncation`. Do repeated numbers agree: `preload`,
     `engaged_threads`, `axial_backlash`, `spin_coefficient`. Is equal load sharing assumed:
-    `equal_sharing`; do errors of parts overload single rollers: `uneven_rollers`. Nothing is
-    raised; a mechanism without findings gives an empty tuple. Checks whose data are missing are
-    skipped. Needs concrete numbers: inside a trace use `evaluate_margins`.
+    `equal_sharing`; do errors of parts overload single rollers: `uneven_rollers`. Is the position
+    loop slower than the axis: `position_loop`. Nothing is raised; a mechanism without findings
+    gives an empty tuple. Checks whose data are missing are skipped. Needs concrete numbers: inside
+    a trace use `evaluate_margins`.
 
     **Arguments:**
 

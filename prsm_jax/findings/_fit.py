@@ -157,8 +157,8 @@ def _rollers(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
     def message(r: Reading) -> str:
         return (
-            f"{count} neighbouring rollers overlap by {-r.value * 1e3:.4g} mm; use fewer or "
-            "smaller rollers"
+            f"{count} neighbouring rollers overlap by {-r.value * 1e3:.4g} mm; use fewer "
+            "rollers, or a larger ratio of nut to roller radius (starts, or radius_ratio)"
         )
 
     yield _clearance("roller_clearance", index, roller_clearance, message, "existence")

@@ -20,8 +20,9 @@ from ..mechanism import Mechanism
 from ..quantities import Analysis, SharedLoad
 
 #: What a violated limit of severity error means for the other results. `existence`: no such
-#: mechanism exists, and its other numbers are meaningless. `assembly`: its numbers are valid, but
-#: it cannot be assembled as drawn. `service`: it can be built, but fails under its load.
+#: mechanism exists, and its other numbers are meaningless. `assembly`: it
+#: cannot be assembled as drawn; its numbers are computed as if it could. `service`: it can be
+#: built, but fails under its load.
 Kind: TypeAlias = Literal["existence", "assembly", "service"]
 
 

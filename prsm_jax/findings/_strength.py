@@ -55,7 +55,7 @@ def _at_least(
     """A warning where the available value is less than the needed one.
 
     The margin is their difference, or, without a unit, their quotient minus 1; both values are in
-    the details, as `there` and `needed`.
+    the details, as `available` and `required`.
     """
 
     def value(analysis: Analysis) -> Scalar:
@@ -69,8 +69,8 @@ def _at_least(
         (("warning", 0.0),),
         message,
         unit=unit,
-        details=lambda analysis: dict(zip(("there", "needed"), pair(analysis), strict=True)),
-        shown=lambda r: (r.details["there"], r.details["needed"]),
+        details=lambda analysis: dict(zip(("available", "required"), pair(analysis), strict=True)),
+        shown=lambda r: (r.details["available"], r.details["required"]),
         shown_unit=shown_unit,
         shares=shares,
     )
@@ -139,10 +139,18 @@ def _screw_speed(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         # A screw that does not turn has no critical speed.
         return speeds | ({"critical": strength.critical_speed(stage)} if turning == "screw" else {})
 
+    def by_dn(r: Reading) -> bool:
+        """Whether the DN limit is what makes the permissible speed low."""
+        data = r.mechanism.stages[index].strength
+        assert data is not None
+        assert data.shaft is not None
+        share = float(data.shaft.permissible_speed_share)
+        return turning == "nut" or r.details["permissible"] < 0.999 * share * r.details["critical"]
+
     def message(r: Reading, limit: str) -> str:
         words = {"critical": "its critical speed", "permissible": "the permissible speed"}[limit]
         remedy = "shorten the unsupported length, fix the ends, or take a larger lead"
-        if turning == "nut":
+        if limit == "permissible" and by_dn(r):
             remedy = "take a larger lead, or a lubricant with a higher DN limit"
         return (
             f"the {turning} turns at {r.details['speed'] * 30 / math.pi:.5g} rpm, above {words} "
@@ -181,7 +189,7 @@ def _rating_life(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         return life if factor is None else life * factor, data.required_life
 
     def message(r: Reading) -> str:
-        life, required = r.details["there"], r.details["needed"]
+        life, required = r.details["available"], r.details["required"]
         return (
             f"the rating life is {life / 3600:.4g} h, but {required / 3600:.4g} h are required: "
             f"a dynamic capacity {(required / life) ** (1 / 3):.3g} times as high would suffice "

@@ -156,8 +156,8 @@ def _pointed_teeth(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             thread = r.mechanism.stages[index].thread
             return (
                 f"stage.thread.{name} is {r.details['addendum'] * 1e3:.6g} mm, but with a pitch of "
-                f"{float(thread.pitch) * 1e3:.4g} mm the flanks of the {body}'s teeth end "
-                f"{r.details['point'] * 1e3:.4g} mm above the nominal radius, where a tooth is "
+                f"{float(thread.pitch) * 1e3:.4g} mm the flanks of the {body}'s teeth meet "
+                f"{r.details['point'] * 1e3:.4g} mm from the nominal radius, where a tooth is "
                 "pointed: such a thread cannot exist; lower the addendum, or raise the lead or the "
                 "contact angle"
             )

@@ -17,9 +17,9 @@ Severity = Literal["error", "warning", "note"]
 class Finding:
     """One result of a check of a mechanism.
 
-    `error`: the mechanism cannot be built, does not mesh, or has stiffnesses that no structure can
-    have; `warning`: it can be built, but not as drawn, or its numbers contradict each other;
-    `note`: for information.
+    `error`: the mechanism cannot exist, cannot be assembled as drawn, or fails under its load;
+    `warning`: it may fail or wear early, or its numbers contradict each other; `note`: for
+    information.
     """
 
     name: str
@@ -28,7 +28,7 @@ class Finding:
     value: float
     limit: float
     message: str
-    #: Whether such a mechanism cannot be built; other results are then meaningless.
+    #: Whether the mechanism cannot exist, or cannot be assembled as drawn.
     impossible: bool = False
 
 

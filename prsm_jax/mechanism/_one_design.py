@@ -13,7 +13,7 @@ import equinox as eqx
 import jax
 import numpy as np
 
-from ..fields import Limited, refuse_complex
+from ..fields import Limited, members, refuse_complex
 
 _Parameters = ParamSpec("_Parameters")
 _Result = TypeVar("_Result")
@@ -38,18 +38,13 @@ def _axes_of(kind: type) -> dict[str, _Declared | None]:
     for field in dataclasses.fields(kind):
         if field.metadata.get("static", False):
             continue
-        among = _members(hints[field.name])
+        among = members(hints[field.name])
         words = [getattr(one, "dim_str", None) for one in among]
         declared = [w.split() for w in words if w is not None]
         fixed = len(declared) == 1 and not any("*" in w or "..." in w for w in declared[0])
         required = types.NoneType not in among
         axes[field.name] = _Declared(len(declared[0]), required) if fixed else None
     return axes
-
-
-def _members(hint: Any) -> tuple[Any, ...]:
-    union = typing.get_origin(hint) in (typing.Union, types.UnionType)
-    return typing.get_args(hint) if union else (hint,)
 
 
 def _declared(module: eqx.Module, path: str) -> Iterator[tuple[int | None, int, str]]:
@@ -143,15 +138,15 @@ class _Door:
         arguments = inspect.signature(function).parameters
         self.arguments = tuple(arguments)
         self.needed = tuple(n for n, one in arguments.items() if one.default is one.empty)
-        members = {name: _members(one.annotation) for name, one in arguments.items()}
+        among_of = {name: members(one.annotation) for name, one in arguments.items()}
         #: Arguments that are single numbers.
         self.numbers = frozenset(
-            name for name, among in members.items() if any(map(_is_scalar, among))
+            name for name, among in among_of.items() if any(map(_is_scalar, among))
         )
         #: Classes of the arguments that are modules.
         self.modules = {
             name: classes
-            for name, among in members.items()
+            for name, among in among_of.items()
             if (classes := tuple(one for one in among if one is not types.NoneType))
             and all(isinstance(one, type) and issubclass(one, eqx.Module) for one in classes)
         }

@@ -48,7 +48,7 @@ class Campbell(DesignResult):
 
     modes: Modes
     orders: tuple[ExcitationOrder, ...]
-    #: Carrier speed over screw speed, κ.
+    #: Speed of the carriers over that of the body that turns, ζ.
     carrier_ratio: Scalar
     harmonics: int = eqx.field(static=True)
     roller_count: int = eqx.field(static=True)
@@ -175,7 +175,7 @@ def campbell(
     - `harmonics`: how many harmonics of each order.
     - `load`: axial load at which the contact stiffness is taken [N]; default that of the
       operating point.
-    - `carrier_ratio`: κ; default that of the steady state.
+    - `carrier_ratio`: ζ; default that of the steady state.
     - `orders`: names of the orders; default all.
 
     **Raises:** `ValueError` for a stage or an order that does not exist; `MissingDataError` if the

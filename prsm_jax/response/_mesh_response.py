@@ -185,7 +185,7 @@ def mesh_response(
     - `harmonic`: which harmonic of it, from 1.
     - `amplitude`: transmission error along the line of action of each contact [m].
     - `stage`, `load`, `damping`, `method`: as `frequency_response`.
-    - `carrier_ratio`: κ; default that of the steady state.
+    - `carrier_ratio`: ζ; default that of the steady state.
 
     **Raises:** `ValueError` for an order that the stage does not have, or a speed that is not
     finite; `MissingDataError` if the mechanism lacks data.

@@ -1,12 +1,12 @@
 """Excitation of a turning roller screw: orders of the screw speed, and phases of the rollers.
 
 Orders are counted in the frame that turns with the rollers, as in the vibration model. In a
-standard roller screw, with the carrier ratio κ = ω/Ω, the screw turns in it at (1 − κ)Ω and the nut
-at −κΩ; a roller rolls in the nut without slip, timed by the ring gear, so it spins at n κ Ω. The
+standard roller screw, with the carrier ratio ζ = ω/Ω, the screw turns in it at (1 − ζ)Ω and the nut
+at −ζΩ; a roller rolls in the nut without slip, timed by the ring gear, so it spins at n ζ Ω. The
 rollers travel with the nut, by one lead per turn of the screw. A plane that travels with them
 therefore cuts the screw's threads in a section that is at rest in space: rotation and advance of
-the threads cancel. Relative to the rollers this section turns at κ, although the screw itself turns
-at 1 − κ.
+the threads cancel. Relative to the rollers this section turns at ζ, although the screw itself turns
+at 1 − ζ.
 """
 
 from typing import Annotated, Literal, TypeAlias
@@ -82,18 +82,18 @@ def excitation_orders(
 
     | name | order | what it is |
     |---|---|---|
-    | `carrier` | κ | runout of nut and ring gear as the rollers pass it |
-    | `deviating_start` | κ | one start of screw or nut that deviates from the others |
-    | `screw_rotation` | 1 − κ | runout of the screw as the rollers pass it |
-    | `roller_passing_nut` | N κ | rollers that pass a flaw of the nut |
-    | `roller_passing_screw` | N (1 − κ) | rollers that pass a flaw of the screw |
-    | `thread_passing` | n κ | threads that pass along the rollers, and the rollers' own spin |
-    | `ring_gear_mesh` | z_r κ | teeth of the ring gear, z_r = n z_R if not given; only with z_R |
+    | `carrier` | ζ | runout of nut and ring gear as the rollers pass it |
+    | `deviating_start` | ζ | one start of screw or nut that deviates from the others |
+    | `screw_rotation` | 1 − ζ | runout of the screw as the rollers pass it |
+    | `roller_passing_nut` | N ζ | rollers that pass a flaw of the nut |
+    | `roller_passing_screw` | N (1 − ζ) | rollers that pass a flaw of the screw |
+    | `thread_passing` | n ζ | threads that pass along the rollers, and the rollers' own spin |
+    | `ring_gear_mesh` | z_r ζ | teeth of the ring gear, z_r = n z_R if not given; only with z_R |
 
     Thread passing is the same for screw, nut and roller: in the frame of the rollers all threads
-    move along the axis by κ L per turn, which is n κ pitches. The n lobes that n starts cut into
-    the cross-section of the screw pass at the same order, n κ, because the plane of the section
-    travels with the rollers; a single start returns after n pitches, at order κ.
+    move along the axis by ζ L per turn, which is n ζ pitches. The n lobes that n starts cut into
+    the cross-section of the screw pass at the same order, n ζ, because the plane of the section
+    travels with the rollers; a single start returns after n pitches, at order ζ.
 
     In an inverted roller screw the nut turns: the orders of screw and nut are exchanged,
     `nut_rotation` takes the place of `screw_rotation`, and the teeth are on the screw
@@ -103,7 +103,7 @@ def excitation_orders(
     **Arguments:**
 
     - `stage`: the stage.
-    - `carrier_ratio`: κ, carrier speed over that of the body that turns; default that of ideal
+    - `carrier_ratio`: ζ, carrier speed over that of the body that turns; default that of ideal
       rolling.
     """
     thread, count = stage.thread, plain(stage.roller_count)
@@ -169,7 +169,7 @@ def gear_mesh_order(orders: tuple[ExcitationOrder, ...]) -> ExcitationOrder:
     return find_order(orders, "screw_gear_mesh" if on_screw else "ring_gear_mesh")
 
 
-#: Names of earlier releases: the starts of the screw pass with the threads, at n κ.
+#: Names of earlier releases: the starts of the screw pass with the threads, at n ζ.
 _FORMER_NAMES = {"screw_starts": "thread_passing"}
 
 

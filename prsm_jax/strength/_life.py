@@ -22,7 +22,7 @@ from ._truncation import TruncatedFatigue
 class RatingLife(Result):
     """Basic rating life of one stage, for a survival of 90 %; ∞ without load."""
 
-    #: Turns of the screw.
+    #: Revolutions of the body that turns.
     revolutions: Annotated[Scalar, In("1")]
     #: Operating time, standstill included [s].
     time: Annotated[Scalar, In("s")]
@@ -31,7 +31,7 @@ class RatingLife(Result):
 
 
 def basic_life(capacity: Scalar, load: Scalar) -> Scalar:
-    """Turns of the screw L10 = 10⁶ (C_a/F)³; ∞ without load (ISO 3408-5, ISO 281).
+    """Revolutions L10 = 10⁶ (C_a/F)³; ∞ without load (ISO 3408-5, ISO 281).
 
     A load so small that the life exceeds the range of numbers counts as no load.
     """

@@ -185,6 +185,11 @@ def critical_speed(stage: Stage, length: Scalar | None = None) -> Scalar:
 def dn_value(stage: Stage, speed: Scalar) -> Scalar:
     """Nominal diameter times speed, limited by lubrication and roller inertia [m·rad/s].
 
+    **Arguments:**
+
+    - `stage`: the stage.
+    - `speed`: of the body that turns [rad/s].
+
     **Raises:** `MissingDataError` if the stage has no shaft data.
     """
     shaft_of(stage)

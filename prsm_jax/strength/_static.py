@@ -74,7 +74,13 @@ def static_capacity(
 
 
 def static_safety(capacity: Scalar, load: Scalar) -> Scalar:
-    """Static safety factor s₀ = C_0a/F; ∞ without load."""
+    """Static safety factor s₀ = C_0a/F (ISO 3408-5); ∞ without load.
+
+    **Arguments:**
+
+    - `capacity`: basic static axial load rating C_0a [N].
+    - `load`: axial load F of either sign [N].
+    """
     return ratio_or_infinity(capacity, jnp.abs(load))
 
 

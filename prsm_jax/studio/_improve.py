@@ -122,7 +122,7 @@ class Improvement:
         except _Stopped:
             self.state, self.message = "stopped", f"after {len(self.steps)} steps"
         except Exception as error:
-            # A fault of the search must not end the page: its words stand there.
+            # A fault of the search must not end the page, which shows the message.
             words = short_heading(str(error)) or type(error).__name__
             self.state, self.message = "failed", words
         else:

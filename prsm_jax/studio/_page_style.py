@@ -33,6 +33,7 @@ p { margin: 4px 0 8px; }
 .status { padding: 8px 10px; border-radius: 4px; font-weight: 600; }
 .status.pass { background: #d9f0e6; color: #00573f; }
 .status.warning { background: #fdf0d0; color: #6b4a00; }
+.status.no-checks { background: #eceff1; color: #3c4043; }
 .status.fail { background: #fbdfd0; color: #8a3200; }
 .verdict { font-weight: 600; white-space: nowrap; } .unbroken { white-space: nowrap; }
 .verdict.pass { color: #00694c; } .verdict.warning { color: #8a5f00; }

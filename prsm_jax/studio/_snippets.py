@@ -18,6 +18,7 @@ _STATUS = {
     "pass": "Pass: all limits are kept; no finding is a warning.",
     "warning": "Warning: a check or a finding below is a warning.",
     "fail": "Fail: a limit below is broken, or a finding is an error.",
+    "no checks": "No checks: the file has no data for one; no finding is a warning.",
 }
 #: A change below this share of the quantity has no bar.
 _NOTHING = 1e-9
@@ -70,7 +71,7 @@ def status_html(verdicts: Verdicts, limits: Sequence[LimitReading], stages: int)
     """
     broken = any(one.verdict == "fail" for one in limits)
     status = "fail" if broken else verdicts.status
-    parts = [f'<p class="status {status}" role="status">{_STATUS[status]}</p>']
+    parts = [f'<p class="status {status.replace(" ", "-")}" role="status">{_STATUS[status]}</p>']
     if limits:
         labels = labels_of([one.quantity for one in limits])
         rows = [_limit_row(one, labels[one.quantity]) for one in limits]

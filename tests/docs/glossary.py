@@ -92,7 +92,9 @@ def tables() -> str:
         "",
     ]
     for cls, places in numbers().items():
-        paths = ", ".join(f"`{place.path}`" for place in places if ".part" not in place.path)
+        paths = ", ".join(
+            f"`{place.path}`" for place in places if "part" not in place.path.split(".")
+        )
         lines += [f"### {cls.__name__}", "", f"In {paths}.", ""]
         lines += [_row("name", "unit", "meaning", "allowed"), "|---|---|---|---|"]
         lines += [

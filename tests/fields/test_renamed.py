@@ -4,6 +4,7 @@ import jax.numpy as jnp
 import pytest
 
 import prsm_jax as prsm
+from prsm_jax.dynamics import travel_per_radian, travel_per_turn
 from prsm_jax.findings import Margin
 from prsm_jax.friction import Deflected, Sliding
 from prsm_jax.halfspace import grid_over, solve_contact
@@ -32,6 +33,13 @@ def test_old_name_of_the_argument_of_a_chart():
     with pytest.warns(DeprecationWarning, match="thread_load_chart: found is now distribution"):
         figure = thread_load_chart(found=shared)  # type: ignore[call-arg]
     assert figure.axes
+
+
+def test_old_name_of_the_travel():
+    stages = prsm.load("wu2022").stages
+    with pytest.warns(DeprecationWarning, match="the name is now travel_per_radian"):
+        travel = travel_per_turn(stages, 1)
+    assert travel == travel_per_radian(stages, 1)
 
 
 def test_old_names_of_fields():

@@ -144,6 +144,23 @@ def test_the_screw_speed_is_shown_beside_the_limit_that_it_passes(share, limit, 
         said = {"critical": "its critical speed", "permissible": "the permissible speed"}[limit]
         words = f"the screw turns at {rpm[0]:.5g} rpm, above {said} of {rpm[1]:.5g} rpm"
         assert words in found[0].message
+        assert "shorten the unsupported length" in found[0].message
+
+
+def test_a_shorter_shaft_is_no_remedy_where_the_dn_value_limits_the_speed():
+    """A DN limit of 120,000 mm rpm is reached far below the critical speed."""
+    own = _at(7e3)
+    rpm = 1.01 * 120 / (2 * float(own.stages[0].thread.screw_radius))
+    mechanism = eqx.tree_at(
+        lambda m: m.stages[0].strength.shaft.dn_limit,
+        _at(7e3, rpm * math.pi / 30),
+        jnp.asarray(120 * math.pi / 30),
+        is_leaf=lambda leaf: leaf is None,
+    )
+    (finding,) = [f for f in prsm.check(mechanism) if f.name == "screw_speed"]
+    assert finding.limit == pytest.approx(rpm / 1.01 * math.pi / 30, rel=1e-9)
+    assert "DN limit" in finding.message
+    assert "shorten" not in finding.message
 
 
 @pytest.mark.parametrize(("rpm", "verdict"), [(5900.0, "pass"), (6100.0, "warning")])

@@ -161,7 +161,7 @@ def test_teeth_are_no_higher_than_their_flanks(contact_angle, radius, thinning):
             assert (finding.value, finding.limit) == pytest.approx(
                 (limit * factor, limit), rel=1e-9
             )
-            assert f"the flanks of the {body}'s teeth end {1e3 * limit:.4g} mm" in finding.message
+            assert f"the flanks of the {body}'s teeth meet {1e3 * limit:.4g} mm" in finding.message
 
 
 def test_an_addendum_of_two_pitches():

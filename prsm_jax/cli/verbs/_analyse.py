@@ -101,7 +101,7 @@ def steady_results(state: SteadyState, point: OperatingPoint | None) -> dict[str
     return results
 
 
-def told(results: dict[str, Any]) -> dict[str, Any]:
+def with_result_name(results: dict[str, Any]) -> dict[str, Any]:
     """A steady state with the name of its result, without efficiency where it locks or jams.
 
     The computed efficiency then has no meaning, such as -0.34 for a thread that locks.
@@ -127,12 +127,12 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
     rests_on = assumptions(mechanism, STEADY)
     pictures: tuple[Path, ...] = ()
     if common.out is None:
-        results = told(plain(run_stored("steady", _steady, mechanism)))
+        results = with_result_name(plain(run_stored("steady", _steady, mechanism)))
         tables = _steady_tables(file, mechanism, results)
     else:
         expect_programs("steady_state")
         state = steady_state(mechanism)
-        results = told(plain(steady_results(state, mechanism.operating_point)))
+        results = with_result_name(plain(steady_results(state, mechanism.operating_point)))
         tables = _steady_tables(file, mechanism, results)
         pictures = _steady_pictures(common.out, state) if results["valid"] else ()
         written = save_tables(common.out, "steady", results, tables, rests_on)

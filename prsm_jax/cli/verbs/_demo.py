@@ -21,7 +21,7 @@ from .._common import Common, emit, plain
 from .._optimised import optimised_text
 from .._progress import clear, doing, expect_programs, tell
 from .._tables import TextTable, terminal_width
-from ._analyse import steady_results, told
+from ._analyse import steady_results, with_result_name
 from ._contact import contact_results
 from ._design import told_of_search
 from ._modal import modal_results
@@ -58,7 +58,7 @@ def _all_results(data: "ReportData") -> dict[str, Any]:
         results["modal"] = modal_results(data.modes[0])
     if data.steady is not None:
         steady = steady_results(data.steady, data.mechanism.operating_point)
-        results["steady"] = told(plain(steady))
+        results["steady"] = with_result_name(plain(steady))
     if data.transient is not None:
         results["simulate"] = transient_results(data.transient)
     return results

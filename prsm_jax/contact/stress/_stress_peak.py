@@ -231,8 +231,14 @@ def stress_peak(
     0.3 on it lies on the surface. With `measure="tension"` it is the largest tensile stress, at the
     trailing edge.
 
-    **Arguments:** those of `subsurface_stress`, and the measure: `"von_mises"`, `"max_shear"` or
-    `"tension"` (the largest principal stress).
+    **Arguments:**
+
+    - `semi_axes`: of the contact ellipse along x and y [m].
+    - `max_pressure`: Hertz pressure in the middle [Pa].
+    - `poisson_ratio`: of the half-space.
+    - `traction`: shear stress over pressure, along x and y.
+    - `measure`: `"von_mises"`, `"max_shear"` or `"tension"` (the largest principal stress).
+    - `nodes`: as for `subsurface_stress`, which names the source of the equations.
 
     **Returns:** a `StressPeak`; the value is differentiable twice, the position once. A maximum
     at the edge of the contact moves with the edge.

@@ -4,6 +4,7 @@ from ._chain import (
     ScrewForces as ScrewForces,
     StageState as StageState,
     all_push as all_push,
+    carrier_drives as carrier_drives,
     chain_forces as chain_forces,
     screw_forces as screw_forces,
 )

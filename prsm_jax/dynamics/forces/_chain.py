@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Float
 from ...fields import Scalar
 from ...mechanism import Mechanism, Stage, body_inertia, body_mass
 from ...programs import physics
-from .._kinematics import StageKinematics, travel_per_turn
+from .._kinematics import StageKinematics, travel_per_radian
 from ..friction import bearing_torque, drag_torque, loaded_flank_sign, spline_force
 from ._stage_forces import Motion, StageForces, axial_inertia, stage_forces
 
@@ -165,13 +165,13 @@ def chain_forces(
         nut_acceleration = screw_axial = None
         axial_force = nut_load
         if screw_acceleration is not None:
-            nut_acceleration = -screw_acceleration * travel_per_turn(stages, index + 1)
+            nut_acceleration = -screw_acceleration * travel_per_radian(stages, index + 1)
             axial_force = nut_load - axial_inertia(stage) * nut_acceleration
             if index > 0:
-                screw_axial = -screw_acceleration * travel_per_turn(stages, index)
+                screw_axial = -screw_acceleration * travel_per_radian(stages, index)
         if carrier_acceleration is not None:
             # Such a nut travels by its lead per turn of screw over carrier; it is the only stage.
-            own = carrier_acceleration[index] * travel_per_turn(stages, index + 1)
+            own = carrier_acceleration[index] * travel_per_radian(stages, index + 1)
             nut_acceleration = own if nut_acceleration is None else nut_acceleration + own
             axial_force = nut_load - axial_inertia(stage) * nut_acceleration
         law = stage.thread_law
@@ -195,6 +195,11 @@ def chain_forces(
         states.append(StageState(motion, forces, screw, nut_load, flank_sign))
         next_screw, nut_load = screw, screw.support_force
     return tuple(reversed(states))
+
+
+def carrier_drives(states: tuple[StageState, ...]) -> Float[Array, " stages"]:
+    """Moment that drives the carrier of each stage [N m]."""
+    return jnp.stack([state.forces.carrier_drive for state in states])
 
 
 def all_push(states: tuple[StageState, ...]) -> Bool[Array, "*times"]:

@@ -14,7 +14,7 @@ from ...fields import Scalar
 from ...mechanism import Mechanism
 from ...programs import physics
 from ...scenario import Scenario, break_times_of, depends_on_motion
-from .._kinematics import travel_per_turn
+from .._kinematics import travel_per_radian
 
 #: Gauss–Legendre on [−1, 1], five points: exact to the ninth order in every interval.
 _NODES = (-0.906179845938664, -0.5384693101056831, 0.0, 0.5384693101056831, 0.906179845938664)
@@ -114,7 +114,7 @@ def bound_scenario(mechanism: Mechanism, scenario: Scenario) -> Scenario:
                 f"{stage.thread.type!r} is not determined by the turns of the screw: friction "
                 "changes its travel; give the load as a number or a function of time"
             )
-    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
+    travel = travel_per_radian(mechanism.stages, len(mechanism.stages))
     angle = None
     if callable(scenario.speed):
         angle = getattr(scenario.speed, "angle", None) or angle_by_quadrature(scenario)

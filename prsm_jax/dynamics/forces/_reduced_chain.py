@@ -8,7 +8,7 @@ from jaxtyping import Array, Float
 
 from ...fields import Scalar
 from ...mechanism import Mechanism
-from .._kinematics import StageKinematics, travel_per_turn
+from .._kinematics import StageKinematics, travel_per_radian
 from ._chain import ScrewForces, screw_forces
 from ._reduced_stage import ReducedForces, ReducedStage, is_reducible, reduced_forces, reduced_stage
 from ._stage_forces import axial_inertia
@@ -43,7 +43,7 @@ def screw_of(
     stages = mechanism.stages
     axial = None
     if acceleration is not None and index > 0:
-        axial = -acceleration * travel_per_turn(stages, index)
+        axial = -acceleration * travel_per_radian(stages, index)
     driver = stages[index - 1] if index > 0 else None
     return screw_forces(
         stages[index],
@@ -84,7 +84,7 @@ def reduced_rates(
         stage, axial_force = stages[index], nut_load
         if acceleration is not None:
             axial_force = axial_force + (
-                axial_inertia(stage) * acceleration * travel_per_turn(stages, index + 1)
+                axial_inertia(stage) * acceleration * travel_per_radian(stages, index + 1)
             )
         forces = reduced_forces(
             stage, chain.stages[index], speed, carrier_speed[index], axial_force

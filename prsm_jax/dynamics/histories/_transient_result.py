@@ -16,7 +16,7 @@ from ...numerics import any_few, over_samples, sum_few
 from ...programs import listed
 from ...results import DesignResult, lines_of, outcome
 from ...text import Line
-from .._kinematics import StageKinematics, travel_per_turn, travel_share
+from .._kinematics import StageKinematics, travel_per_radian, travel_share
 from ..forces import (
     Scenario,
     StageState,
@@ -33,7 +33,7 @@ from ._power_entries import power_entries, relative
 
 _MEANINGS = (
     "successful",
-    "out of steps: the scene is stiffer or longer than max_steps allows; raise max_steps, shorten "
+    "out of steps: the simulation needs more than max_steps steps; raise max_steps, shorten "
     "the duration, or loosen rtol and atol",
     "step size too small: the slip or the normal force jumps; check the thread for self-locking",
     "an implicit step could not be solved: check for a contact that is pulled (negative load), "
@@ -203,16 +203,16 @@ def _kinetic_power(mechanism: Mechanism, carrier_speed, acceleration, speed, scr
             # The nut travels by the lead per turn of screw over carrier.
             over = -acceleration[index]
             over = over if screw_acceleration is None else screw_acceleration + over
-            mass = axial_inertia(stage) * travel_per_turn(stages, index + 1) ** 2
+            mass = axial_inertia(stage) * travel_per_radian(stages, index + 1) ** 2
             power = power + mass * (speed - carrier_speed[index]) * over
     if screw_acceleration is None:
         return power
     for index, stage in enumerate(stages):
         moved = body_inertia(stage, stage.thread.family.turning)
         if stage.thread.family.lead_is_fixed:
-            moved = moved + axial_inertia(stage) * travel_per_turn(stages, index + 1) ** 2
+            moved = moved + axial_inertia(stage) * travel_per_radian(stages, index + 1) ** 2
         if index > 0:
-            moved = moved + body_mass(stage, "screw") * travel_per_turn(stages, index) ** 2
+            moved = moved + body_mass(stage, "screw") * travel_per_radian(stages, index) ** 2
         power = power + moved * speed * screw_acceleration
     return power
 
@@ -266,7 +266,7 @@ def rows_of(
     Separate from `transient_of`, so that states, which are many numbers, need not be stored for all
     times.
     """
-    lead = travel_per_turn(mechanism.stages, len(mechanism.stages))
+    lead = travel_per_radian(mechanism.stages, len(mechanism.stages))
 
     def at(one: CarrierHistory) -> dict[str, Any]:
         speed, screw_acceleration, load = one.screw_speed, one.screw_acceleration, one.load

@@ -13,7 +13,7 @@ from ...mechanism import Mechanism, of_one_design, require_type
 from ...numerics import length_few
 from ...programs import mapped, one_program
 from ...results import DesignResult
-from .._kinematics import StageKinematics, travel_per_turn
+from .._kinematics import StageKinematics, travel_per_radian
 from ..forces import sense_of
 from ..friction import bearing_torque, drag_torque, spline_force, with_resistance
 from ..histories import Transient
@@ -222,7 +222,7 @@ def _known(
     rate, acceleration = run.screw_acceleration, None
     if rate is not None:
         nut, screw = (
-            -rate * travel_per_turn(mechanism.stages, upto) for upto in (index + 1, index)
+            -rate * travel_per_radian(mechanism.stages, upto) for upto in (index + 1, index)
         )
         acceleration = ScrewAcceleration(rate, nut, screw)
     return StageSurroundings(

@@ -19,6 +19,7 @@ from ..forces import (
     ReducedChain,
     Scenario,
     StageState,
+    carrier_drives,
     carrier_inertia,
     chain_forces,
     drive_at,
@@ -117,11 +118,7 @@ def carrier_acceleration(
     if moves_nut(problem.mechanism):
         return _acceleration_with_nut(problem, drive, carrier_speed)
     states = driven_states(problem.mechanism, problem.kinematics, drive, carrier_speed)
-    return _drives(states) / problem.inertia
-
-
-def _drives(states: tuple[StageState, ...]) -> Float[Array, " stages"]:
-    return jnp.stack([state.forces.carrier_drive for state in states])
+    return carrier_drives(states) / problem.inertia
 
 
 @physics("nut_moved_by_carriers")
@@ -138,7 +135,7 @@ def _acceleration_with_nut(
 
     def unbalanced(rate: Float[Array, " stages"]) -> Float[Array, " stages"]:
         states = driven_states(problem.mechanism, problem.kinematics, drive, carrier_speed, rate)
-        return _drives(states) - problem.inertia * rate
+        return carrier_drives(states) - problem.inertia * rate
 
     def step(rate: Float[Array, " stages"], _: None):
         residual, slope = jax.jvp(unbalanced, (rate,), (jnp.ones_like(rate),))

@@ -33,7 +33,7 @@ from ._carrier_motion import (
 _LARGEST_SHIFT, _LARGEST_ERROR = 0.03, 1.0
 
 
-def sense_of(speed: Scalar, acceleration: Scalar | None) -> Scalar:
+def impending_sense(speed: Scalar, acceleration: Scalar | None) -> Scalar:
     """Sense of turning, +1 or −1; at standstill that of impending motion."""
     onset = jnp.ones_like(speed) if acceleration is None else jnp.sign(acceleration)
     onset = jnp.where(onset == 0, 1.0, onset)
@@ -64,7 +64,7 @@ def quasi_steady_states(
     **Returns:** the states, the carrier ratios, and whether friction can drive every carrier.
     """
     speed, acceleration, load = drive_once(scenario, time)
-    sense = sense_of(speed, acceleration)
+    sense = impending_sense(speed, acceleration)
     ratios: list[Scalar] = []
     valid = jnp.asarray(True)
 
@@ -100,7 +100,7 @@ def _states_at(
     if not jumps_at_standstill(mechanism):
         return driven_states(mechanism, kinematics, motion, carrier_speed)
     speed, acceleration, load = motion
-    sense = sense_of(speed, acceleration)
+    sense = impending_sense(speed, acceleration)
     turns = speed != 0
     ratios = jnp.where(turns, carrier_speed / jnp.where(turns, speed, 1.0), ratios)
 

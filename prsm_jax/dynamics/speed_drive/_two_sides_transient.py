@@ -29,7 +29,7 @@ from ...mechanism import (
 )
 from ...numerics import dot_few, over_samples, root_or_zero, solve_small
 from ...programs import physics
-from .._kinematics import StageKinematics, travel_per_turn
+from .._kinematics import StageKinematics, travel_per_radian
 from ..forces import (
     Drive,
     Scenario,
@@ -268,7 +268,7 @@ def _row(problem: TwoSidesProblem, drive: Drive, speeds: Float[Array, "2"]) -> d
     rates = _accelerations(problem, drive, speeds)
     at = _instant(problem, drive, speeds, rates)
     flank, meshing = at.flank, geometry.meshing
-    travel = travel_per_turn(problem.mechanism.stages, 1)
+    travel = travel_per_radian(problem.mechanism.stages, 1)
     zero = jnp.zeros_like(load)
 
     arms = [

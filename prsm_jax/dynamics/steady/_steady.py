@@ -13,7 +13,7 @@ from ...geometry import dimensions_possible, rollers_fit
 from ...mechanism import Mechanism, of_one_design
 from ...numerics import above_or_nan, apart, length_few
 from ...programs import one_program, physics
-from .._kinematics import StageKinematics, stage_kinematics, travel_per_turn, travel_share
+from .._kinematics import StageKinematics, stage_kinematics, travel_per_radian, travel_share
 from ..forces import (
     Motion,
     StageState,
@@ -152,7 +152,7 @@ def steady_state(
     torque = states[0].screw.drive_torque
     if factor is not None:
         states = tuple(_scaled_state(state, factor) for state in states)
-    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
+    travel = travel_per_radian(mechanism.stages, len(mechanism.stages))
     share = travel_share(mechanism.stages[-1].thread, ratios[-1])
     if share is not None:
         travel = travel * share
@@ -236,7 +236,7 @@ def _of_two_sides(
     code, solved = _code(mechanism, geometry.meshing.converged, pushed, sides.converged)
     return _Solution(
         torque=torque,
-        travel=travel_per_turn(mechanism.stages, 1),
+        travel=travel_per_radian(mechanism.stages, 1),
         losses=powers,
         carrier_ratio=sides.carrier_ratio[None],
         nut_load=load[None],

@@ -25,9 +25,11 @@ _MEANINGS = (
     "lower the friction of spin and rolling",
     "no meshing: screw and roller do not touch with a common normal; check lead, contact angle "
     "and profile radius",
-    "impossible dimension: lead and radii must be more than 0, starts more than 2, the contact "
-    "angle between 0 and 90 deg, and bores narrower than their bodies (prsm_jax.check names it)",
-    "overlapping rollers: neighbouring rollers have no room; use fewer or smaller ones",
+    "impossible dimension: lead and radii must be more than 0, starts within the range of the type "
+    "(more than 2 in a standard roller screw), the contact angle between 0 and 90 deg, and bores "
+    "narrower than their bodies (prsm_jax.check names it)",
+    "overlapping rollers: neighbouring rollers have no room; use fewer, or a larger ratio of nut "
+    "to roller radius",
     "not finite: a number of the mechanism, the speed or the load is NaN or infinite, or so large "
     "that a result is not finite; correct it",
 )

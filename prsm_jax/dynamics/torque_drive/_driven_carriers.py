@@ -21,8 +21,8 @@ from jaxtyping import Array, Bool, Float
 from ...fields import Scalar
 from ...numerics import find_root, root_or_zero, solve_small, sum_few
 from ...programs import physics
-from .._kinematics import travel_per_turn
-from ..forces import Motion, StageState, chain_forces, reduced_stage, sliding_motion
+from .._kinematics import travel_per_radian
+from ..forces import Motion, StageState, carrier_drives, chain_forces, reduced_stage, sliding_motion
 from ..friction import has_contact_losses
 from ..steady import find_roots, steady_motion
 from ._torque_balance import (
@@ -123,7 +123,7 @@ def _forces(
 ) -> tuple[tuple[StageState, ...], Scalar]:
     """Forces of all stages, and the load; `sense` is the share while the screw is held."""
     mechanism, kinematics = problem.mechanism, problem.kinematics
-    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
+    travel = travel_per_radian(mechanism.stages, len(mechanism.stages))
     load = problem.scenario.load_at(
         time,
         problem.scenario.initial_position + travel * screw.angle,
@@ -153,10 +153,6 @@ def _forces(
         mechanism, kinematics, motion_of, screw.speed, sense, load, screw.acceleration
     )
     return states, load
-
-
-def _drives(states: tuple[StageState, ...]) -> Float[Array, " stages"]:
-    return jnp.stack([state.forces.carrier_drive for state in states])
 
 
 @eqx.filter_jit
@@ -214,7 +210,7 @@ def driven(
         )
         unknowns = unknown[None]
     (states, load), acceleration = at(unknowns)
-    carrier_acceleration = _drives(states) / problem.inertia
+    carrier_acceleration = carrier_drives(states) / problem.inertia
     carrier_acceleration = jnp.where(turns | carriers.coasts, carrier_acceleration, 0.0)
     return Driven(states, load, acceleration, carrier_acceleration, converged)
 
@@ -233,7 +229,7 @@ def _out_of_balance(
     """
     geometry = slip_geometry(problem)
     needed = problem.inertia * geometry.ratio(carriers.tangent) * acceleration
-    excess = sense * (_drives(states) - needed)
+    excess = sense * (carrier_drives(states) - needed)
     square = jnp.stack([sum_few(state.forces.friction**2) for state in states])
     friction = root_or_zero(square)
     count = jnp.stack([stage.present_roller_count for stage in problem.mechanism.stages])

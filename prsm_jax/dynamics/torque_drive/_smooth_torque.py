@@ -18,7 +18,7 @@ from ...mechanism import Mechanism, Stage
 from ...numerics import find_root, sum_few
 from ...programs import physics
 from ...scenario import TorqueScenario
-from .._kinematics import free_carrier_ratio, travel_per_turn
+from .._kinematics import free_carrier_ratio, travel_per_radian
 from ..forces import all_push
 from ..friction import bristles_of, has_contact_losses
 from ..histories import CarrierHistory, Settings, Transient, histories, integrated
@@ -75,7 +75,7 @@ def _check_smooth(mechanism: Mechanism) -> None:
 
 
 def _load(problem: TorqueProblem, time: Scalar, state: _State, acceleration: Scalar) -> Scalar:
-    travel = travel_per_turn(problem.mechanism.stages, len(problem.mechanism.stages))
+    travel = travel_per_radian(problem.mechanism.stages, len(problem.mechanism.stages))
     position = problem.scenario.initial_position + travel * state.angle
     return problem.scenario.load_at(time, position, travel * state.speed, travel * acceleration)
 
@@ -113,7 +113,7 @@ def _scales(problem: TorqueProblem, times: Float[Array, " times"]) -> _State:
     mechanism, scenario = problem.mechanism, problem.scenario
     inertia, one = problem.total_inertia, jnp.ones_like(problem.total_inertia)
     torques = jnp.abs(jax.vmap(lambda time: scenario.torque_at(time))(times))
-    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
+    travel = travel_per_radian(mechanism.stages, len(mechanism.stages))
     load = scenario.load_at(times[0], scenario.initial_position, 0 * travel, 0 * travel)
     torque = jnp.max(torques) + jnp.abs(load) * travel
     torque = jnp.where(torque > 0, torque, one)
@@ -196,5 +196,5 @@ def smooth_torque_history(
         rates.bristles.carrier_speed,
     )
     run = histories(mechanism, problem.kinematics, times, history, report)
-    position = travel_per_turn(mechanism.stages, len(mechanism.stages)) * sampled.angle
+    position = travel_per_radian(mechanism.stages, len(mechanism.stages)) * sampled.angle
     return eqx.tree_at(lambda r: r.position, run, position, is_leaf=lambda leaf: leaf is None)

@@ -17,7 +17,7 @@ from ...fields import Scalar
 from ...mechanism import Mechanism
 from ...programs import physics
 from ...scenario import TorqueScenario
-from .._kinematics import StageKinematics, travel_per_turn
+from .._kinematics import StageKinematics, travel_per_radian
 from ..forces import Motion, StageState, all_push, carrier_inertia, chain_forces
 from ..friction import has_contact_losses, unknown_shares, with_resistance
 from ..steady import all_kinematics, carrier_balance, find_roots, steady_motion
@@ -98,7 +98,7 @@ def instant(
     - `unknowns`: tangents of the carriers' balances (`CarrierBalance`), and shares (`shares_of`).
     """
     mechanism, kinematics = problem.mechanism, problem.kinematics
-    travel = travel_per_turn(mechanism.stages, len(mechanism.stages))
+    travel = travel_per_radian(mechanism.stages, len(mechanism.stages))
     position = problem.scenario.initial_position + travel * motion.angle
     velocity, acceleration = travel * motion.speed, travel * motion.acceleration
     load = problem.scenario.load_at(time, position, velocity, acceleration)

@@ -8,7 +8,7 @@ from jaxtyping import Array, Bool, Float
 from ...fields import Scalar
 from ...mechanism import Mechanism
 from ...scenario import TorqueScenario
-from .._kinematics import travel_per_turn
+from .._kinematics import travel_per_radian
 from ..forces import all_push
 from ..histories import (
     CarrierHistory,
@@ -173,7 +173,7 @@ def _with_motion(
     phases: Phase,
 ) -> Transient:
     stages = problem.mechanism.stages
-    position = travel_per_turn(stages, len(stages)) * angle
+    position = travel_per_radian(stages, len(stages)) * angle
     # A held screw stays at rest even if the torque is NaN.
     code = code_of_finite(run.solver.code, jnp.isfinite(applied + position))
     return eqx.tree_at(

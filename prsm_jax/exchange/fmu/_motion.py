@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from ..._errors import MissingDataError, PrsmError
-from ...dynamics import Transient, has_smooth_threads, simulate, travel_per_turn
+from ...dynamics import Transient, has_smooth_threads, simulate, travel_per_radian
 from ...mechanism import Mechanism
 from ...scenario import TorqueScenario
 from ._variables import STICKING
@@ -105,7 +105,7 @@ def _values(
 ) -> dict[str, float]:
     """All outputs at a sample of a run, by the names of variables."""
     stages = mechanism.stages
-    travel = float(travel_per_turn(stages, len(stages)))
+    travel = float(travel_per_radian(stages, len(stages)))
     speed, moved = float(run.screw_speed[at]), 0.0
     if run.position is not None:
         moved = float(run.position[at])

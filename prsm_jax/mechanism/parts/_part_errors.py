@@ -58,11 +58,15 @@ class PartErrors(Limited):
     **Raises:** `ValueError` at construction for an angle without its amount, or without any error.
     """
 
-    nut_eccentricity: OptionalNumber = _amount("m", "distance of the nut's thread axis")
+    nut_eccentricity: OptionalNumber = _amount(
+        "m", "distance of the nut's thread axis from the axis of the mechanism"
+    )
     nut_eccentricity_angle: OptionalNumber = _angle("of the nut's eccentricity")
     nut_tilt: OptionalNumber = _amount("rad", "angle by which the nut's thread axis leans")
     nut_tilt_angle: OptionalNumber = _angle("towards which the nut's axis leans")
-    screw_eccentricity: OptionalNumber = _amount("m", "distance of the screw's thread axis")
+    screw_eccentricity: OptionalNumber = _amount(
+        "m", "distance of the screw's thread axis from the axis of the mechanism"
+    )
     screw_eccentricity_angle: OptionalNumber = _angle("of the screw's eccentricity")
     screw_tilt: OptionalNumber = _amount("rad", "angle by which the screw's thread axis leans")
     screw_tilt_angle: OptionalNumber = _angle("towards which the screw's axis leans")
@@ -70,7 +74,8 @@ class PartErrors(Limited):
         "m", "pitch diameter of a roller minus its nominal value"
     )
     roller_tilt: OptionalNumbers = _per_roller(
-        "rad", "angle by which a roller's axis leans outward, where thread numbers rise"
+        "rad",
+        "angle by which a roller's axis leans outward at the end with the higher thread numbers",
     )
 
     def __check_init__(self) -> None:

@@ -11,7 +11,7 @@ from ...dynamics import (
     has_contact_losses,
     roller_migration as stage_roller_migration,
     steady_state,
-    travel_per_turn,
+    travel_per_radian,
     travel_share,
 )
 from ...strength import load_spectrum
@@ -114,7 +114,7 @@ for _name, _description in (
     ("rolling_hysteresis", "power lost by rolling hysteresis in the contact ellipses"),
     ("spline", "power lost in the splines"),
     ("thrust_bearing", "power lost in the thrust bearings"),
-    ("drag", "power lost by constant drag"),
+    ("drag", "power lost by drag, constant and viscous"),
 ):
     _with_friction(f"loss_{_name}", f"P_{_name}", "W", _description)(_of_loss(_name))
 
@@ -127,7 +127,7 @@ for _name, _description in (
 )
 def nut_speed(analysis: Analysis):
     stages = analysis.mechanism.stages
-    speed = jnp.abs(analysis.speed) * travel_per_turn(stages, len(stages))
+    speed = jnp.abs(analysis.speed) * travel_per_radian(stages, len(stages))
     if stages[-1].thread.family.lead_is_fixed:
         return speed
     share = travel_share(stages[-1].thread, analysis.steady.carrier_ratio[-1])

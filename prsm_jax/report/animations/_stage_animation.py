@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics import Transient, travel_per_turn
+from ...dynamics import Transient, travel_per_radian
 from ...mechanism import Mechanism
 from ...text import DisplayUnit, display_unit, number, trimmed
 from .._style import INK, SMALL, TEXT, Figure, drawn, page_figure, place_axes
@@ -51,9 +51,9 @@ def poses(
     carriers = [np.interp(at, time, integrated(run, run.carrier_speed[k])) for k in range(count)]
     ratios = [float(stage.thread.rolling_ratio) for stage in mechanism.stages]
     turning = mechanism.stages[0].thread.family.turning
-    last = float(travel_per_turn(mechanism.stages, count))
+    last = float(travel_per_radian(mechanism.stages, count))
     nut_travel = np.interp(at, time, travel_of(mechanism, run))
-    shares = [float(travel_per_turn(mechanism.stages, k + 1)) / last for k in range(count)]
+    shares = [float(travel_per_radian(mechanism.stages, k + 1)) / last for k in range(count)]
     all_poses = [
         Pose(
             {turning: scale * float(screw[i])},

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics import Transient, travel_per_turn
+from ...dynamics import Transient, travel_per_radian
 from ...mechanism import Mechanism
 from ...text import DisplayUnit, display_unit, in_unit
 from .._parts import DASHES, legend_below, page_title
@@ -36,7 +36,7 @@ def travel_of(mechanism: Mechanism, run: Transient) -> np.ndarray:
 
 def nut_speed(mechanism: Mechanism, run: Transient) -> np.ndarray:
     """Axial speed of the last nut, positive for a positive speed [m/s]."""
-    per_radian = float(travel_per_turn(mechanism.stages, len(mechanism.stages)))
+    per_radian = float(travel_per_radian(mechanism.stages, len(mechanism.stages)))
     speed = np.asarray(run.screw_speed)
     if not mechanism.stages[-1].thread.family.lead_is_fixed:
         # A nut with grooves travels by the lead per turn of screw over carrier.

@@ -13,7 +13,7 @@ from scenes import Swing, array, mesh, simulate, steady_state
 from type_motion import mechanism
 
 import prsm_jax as prsm
-from prsm_jax.dynamics import body_forces, travel_per_turn
+from prsm_jax.dynamics import body_forces, travel_per_radian
 from prsm_jax.friction import RollingHysteresis, SpinFriction
 from prsm_jax.mechanism import Carrier, body_inertia, body_mass
 
@@ -70,7 +70,7 @@ def test_every_body_is_in_balance(load):
     (stage,) = _one().stages
     thread, meshing, count = stage.thread, mesh(stage.thread), stage.roller_count
     distance, roller = float(thread.centre_distance), float(thread.roller_radius)
-    nut, lead = meshing.nut, float(travel_per_turn((stage,), 1))
+    nut, lead = meshing.nut, float(travel_per_radian((stage,), 1))
     # Contact of the nut: beyond the roller's axis, turned with the flank that carries.
     flank = np.sign(load)
     angle = -flank * float(nut.contact_angle_position)

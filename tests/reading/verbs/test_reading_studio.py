@@ -148,6 +148,9 @@ def test_status():
     assert 'class="status fail"' in page
     page = _snippets.status_html(Verdicts(checks[:1], (), "pass"), (), 1)
     assert 'class="status pass"' in page
+    page = _snippets.status_html(Verdicts((), (), "no checks"), (), 1)
+    assert 'class="status no-checks"' in page
+    assert "No checks" in page
 
 
 def test_units_of_the_controls():

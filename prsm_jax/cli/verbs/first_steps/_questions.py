@@ -39,8 +39,8 @@ def answers(given: dict[str, str | None]) -> dict[str, float]:
 
     - `given`: the options by name; `None` where there is none.
 
-    **Raises:** `PrsmError` for an option that cannot be used, and for a missing one where nobody
-    can be asked.
+    **Raises:** `PrsmError` for an option that cannot be used, and for a missing one where stdin is
+    not a terminal.
     """
     found: dict[str, float] = {}
     # First those that are given: a mistake in them ends the verb before a question.
