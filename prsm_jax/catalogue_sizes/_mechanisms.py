@@ -25,7 +25,7 @@ def catalogue_mechanism(
     | contact angle | 45° |
     | teeth | a standard module with at least 16 teeth, 20° |
     | screw | solid, one metre long |
-    | steel | 210 GPa, 0.3, 7850 kg/m³, 4.2 GPa for $C_{0a}$ |
+    | steel | 210 GPa, 0.3, 7850 kg/m³, 4.2 GPa for $C_{0a}$, yield strength 900 MPa |
     | $C_a$ | equivalent balls, material factor 0.81 |
     | friction coefficient | $0.027 (n-1)$ |
     | axial play | 0.02, 0.04 or 0.07 mm by the pitch |

@@ -41,6 +41,8 @@ _FEWEST_TEETH, _LEAST_MODULE = 16, 0.1
 #: Mean pressure of the operating load on the square of the nominal diameter: about a fifth of a
 #: printed dynamic capacity [Pa].
 _LOAD = 25e6
+#: Yield strength of the core of an induction-hardened screw, quenched and tempered [Pa].
+_YIELD_STRENGTH = 900e6
 #: A speed well below the printed limits of such screws, DN value [m rad/s].
 _DN = 0.03 * 1000 * 2 * math.pi / 60
 
@@ -183,7 +185,9 @@ def built(
             permissible_pressure=4.2e9,
             material_factor=chosen.material_factor,
             fatigue_rule=chosen.fatigue_rule,
-            shaft=ScrewShaft("fixed_supported", root_radius=root_radius),
+            shaft=ScrewShaft(
+                "fixed_supported", root_radius=root_radius, yield_strength=_YIELD_STRENGTH
+            ),
             play=None if play is None else AxialPlay(axial_backlash=play),
         ),
     )

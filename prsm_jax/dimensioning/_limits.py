@@ -29,10 +29,24 @@ def margins(sizes: Sizes, wanted: Requirements) -> dict[str, np.ndarray]:
         "envelope": wanted.envelope / sizes.nut_diameter,
         "life": life(sizes, wanted) / wanted.life,
         "static_safety": sizes.static_capacity / (STATIC_SAFETY * wanted.load),
-        "buckling": sizes.buckling_load / loaded**2 / (BUCKLING_SAFETY * wanted.load),
+        "buckling": _buckling_load(sizes, loaded) / (BUCKLING_SAFETY * wanted.load),
         "critical_speed": SPEED_SHARE * sizes.critical_speed / free**2 / turning,
         "dn_value": DN_LIMIT / (sizes.diameter * turning),
     }
+
+
+def _buckling_load(sizes: Sizes, length: np.ndarray) -> np.ndarray:
+    """Euler's load E; Johnson's Y (1 − Y/(4 E)) where E is above half the load Y at yielding."""
+    euler, yielding = sizes.euler_load / length**2, sizes.yield_load
+    return np.where(euler < yielding / 2, euler, yielding * (1 - yielding / (4 * euler)))
+
+
+def _longest(sizes: Sizes, load: float) -> np.ndarray:
+    """Length at which the buckling load is `load` [m]; 0 for a screw that yields under it."""
+    yielding = sizes.yield_load
+    rest = np.maximum(yielding - load, 1e-9 * yielding)
+    euler = np.where(load < yielding / 2, load, yielding**2 / (4 * rest))
+    return np.where(load < yielding, np.sqrt(sizes.euler_load / euler), 0.0)
 
 
 def life(sizes: Sizes, wanted: Requirements) -> np.ndarray:
@@ -65,7 +79,8 @@ def relaxations(sizes: Sizes, wanted: Requirements) -> dict[str, float]:
     loaded = loaded_length(wanted.stroke, sizes.nut_length)
     free = unsupported_length(wanted.stroke, sizes.nut_length, sizes.diameter)
     strokes = wanted.stroke + np.minimum(
-        loaded * (np.sqrt(found["buckling"]) - 1), free * (np.sqrt(found["critical_speed"]) - 1)
+        _longest(sizes, BUCKLING_SAFETY * wanted.load) - loaded,
+        free * (np.sqrt(found["critical_speed"]) - 1),
     )
     possible = {
         "load": (loads, ("life", "static_safety", "buckling")),

@@ -17,8 +17,11 @@ from ..strength import buckling_load, critical_speed
 #: Columns of the catalogue that are dimensions; masses follow from them, capacities are results.
 _DIMENSIONS = ("crest_diameter_mm", "root_diameter_mm", "nut_outer_diameter_mm", "nut_length_mm")
 _COMPUTED = ("dynamic_capacity", "static_capacity", "truncation_load")
-#: Length of the screws for which the program is evaluated [m]: both limits go with 1/l².
+#: Length of the screws for which the program is evaluated [m]: Euler's load and the critical speed
+#: go with 1/l².
 _LENGTH = 1.0
+#: Length over `_LENGTH` of a screw that is slender at every diameter.
+_LONG = 100.0
 
 
 def size_mechanism(row: dict[str, float]) -> Mechanism:
@@ -47,16 +50,18 @@ class Sizes:
     static_capacity: np.ndarray
     #: Load from which a contact ellipse passes the end of a flank [N].
     truncation_load: np.ndarray
-    #: Buckling load [N] and critical speed [rad/s] of a length of one metre.
-    buckling_load: np.ndarray
+    #: Euler's buckling load [N] and critical speed [rad/s] of a length of one metre.
+    euler_load: np.ndarray
     critical_speed: np.ndarray
+    #: Axial load at which the root's section yields [N].
+    yield_load: np.ndarray
 
 
 @eqx.filter_jit
 def capacities(
     batch: Mechanism, counts: Float[Array, " sizes"]
 ) -> dict[str, Float[Array, " sizes"]]:
-    """Capacities, truncation load, buckling load and critical speed of all sizes."""
+    """Capacities, truncation load, loads and critical speed of the screws of all sizes."""
 
     def of_one(mechanism: Mechanism, count: Float[Array, ""]) -> dict[str, Float[Array, ""]]:
         counted = with_traced_counts(mechanism, {"roller_count": count})
@@ -64,7 +69,9 @@ def capacities(
         stage, length = counted.stages[0], jnp.asarray(_LENGTH)
         return {
             **{name: value[0] for name, value in found.items()},
-            "buckling_load": buckling_load(stage, length),
+            # A screw of no length yields, and a very long one buckles as Euler's.
+            "euler_load": buckling_load(stage, _LONG * length) * _LONG**2,
+            "yield_load": buckling_load(stage, 0.0 * length),
             "critical_speed": critical_speed(stage, length),
         }
 

@@ -25,6 +25,9 @@ from ._margin import Margin, Reading, Source, margin_source
 
 #: Safety factor against buckling that ball screw catalogues require.
 _BUCKLING_SAFETY = 2.0
+#: Half the yield strength of a quenched and tempered screw (900 MPa): above it Johnson's formula
+#: holds, not Euler's [Pa].
+_LARGEST_EULER_STRESS = 450e6
 
 
 def _where_given(*names: str) -> Callable[[Source], Source]:
@@ -126,6 +129,38 @@ def _buckling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             "or take a larger screw"
         ),
         shown=lambda r: (_safety(r.value), _BUCKLING_SAFETY),
+    )
+
+
+@_where_given("shaft")
+def _buckling_stress(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    data = mechanism.stages[index].strength
+    assert data is not None
+    assert data.shaft is not None
+    if data.shaft.yield_strength is not None:
+        return
+
+    def value(analysis: Analysis) -> Scalar:
+        return 1 - strength.buckling_stress(_stage(analysis, index)[0]) / _LARGEST_EULER_STRESS
+
+    def stress(r: Reading) -> float:
+        return (1 - r.value) * _LARGEST_EULER_STRESS
+
+    yield Margin(
+        "buckling_stress",
+        index + 1,
+        value,
+        (("warning", 0.0),),
+        lambda r: (
+            f"the buckling load of this short screw is {stress(r) / 1e6:.4g} MPa on the section of "
+            "its root by Euler's formula, where steel may yield first: give "
+            "stage.strength.shaft.yield_strength, so that Johnson's formula applies"
+        ),
+        shown=lambda r: (stress(r), _LARGEST_EULER_STRESS),
+        shown_unit="Pa",
+        at_most=True,
+        # The remedy is a number of the file, not another design.
+        smooth=False,
     )
 
 

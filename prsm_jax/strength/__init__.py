@@ -64,6 +64,7 @@ from ._reliability import (
 )
 from ._shaft import (
     buckling_load as buckling_load,
+    buckling_stress as buckling_stress,
     critical_speed as critical_speed,
     dn_value as dn_value,
     loaded_length as loaded_length,

@@ -150,6 +150,17 @@ def buckling_load(stage: Stage, length: Scalar | None = None) -> Scalar:
     return area * jnp.where(slender, euler, johnson)
 
 
+def buckling_stress(stage: Stage, length: Scalar | None = None) -> Scalar:
+    """Buckling load over the section of the thread's root [Pa].
+
+    **Arguments:** as in `buckling_load`.
+
+    **Raises:** `MissingDataError` as `buckling_load`.
+    """
+    area, _ = _section(stage)
+    return buckling_load(stage, length) / area
+
+
 @physics("whirling")
 def critical_speed(stage: Stage, length: Scalar | None = None) -> Scalar:
     r"""Speed at which the screw whirls, its first bending frequency [rad/s].

@@ -17,9 +17,20 @@ _OPERATING_POINT = (
     "All designs of the study are at the operating point of the mechanism; nut_speed, "
     "operating_points, tolerance_sigmas and avoid_warnings of [optimise] are not used."
 )
+_CONTACT_MODES = (
+    "A frequency lowest_mesh_… is that of the lowest mode with more than half of its strain energy "
+    "in the contacts. It jumps to another mode where the share of a mode passes one half; "
+    "lowest_torsional_frequency and lowest_transverse_frequency do not."
+)
 
 #: Designs of a map, which are in memory at once.
 _MOST_DESIGNS = 100_000_000
+
+
+def _sentences(names: Iterable[str]) -> tuple[str, ...]:
+    """Assumptions of the study itself."""
+    jumps = any(name.startswith("lowest_mesh_") for name in names)
+    return (_OPERATING_POINT, *((_CONTACT_MODES,) if jumps else ()))
 
 
 def _check_counts(points: int, front_points: int, starts: int | None, drivers: int) -> None:
@@ -147,5 +158,8 @@ def study(
         designs=here,
         gradients=front_gradients(problem, front, here, 1),
         variants=tuple(variants),
-        assumptions=(*assumptions(mechanism, problem.computed), _OPERATING_POINT),
+        assumptions=(
+            *assumptions(mechanism, problem.computed),
+            *_sentences(problem.computed),
+        ),
     )

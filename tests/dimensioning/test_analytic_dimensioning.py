@@ -31,8 +31,10 @@ def _made_up(rows=None) -> Sizes:
         dynamic_capacity=14e3 * number,
         static_capacity=17e3 * number,
         truncation_load=9e3 * number,
-        buckling_load=9e8 * diameter**2 * number,
+        euler_load=9e8 * diameter**2 * number,
         critical_speed=3e3 * diameter * number,
+        # From a fifth to fifty times Euler's load of some hundred millimetres.
+        yield_load=4e8 * diameter**2,
     )
 
 
@@ -41,6 +43,11 @@ def made_up(monkeypatch):
     sizes = _made_up()
     monkeypatch.setattr(_dimension, "all_sizes", lambda: sizes)
     return sizes
+
+
+def _johnson(euler: float, yielding: float) -> float:
+    """Timoshenko and Gere 1961: a parabola that joins Euler's curve at half the yield load."""
+    return euler if euler <= yielding / 2 else yielding - yielding**2 / (4 * euler)
 
 
 def _fits(sizes: Sizes, wanted: dict[str, float]) -> np.ndarray:
@@ -54,7 +61,7 @@ def _fits(sizes: Sizes, wanted: dict[str, float]) -> np.ndarray:
         (nut <= bore)
         & (turns / revolutions_per_s >= life)
         & (sizes.static_capacity >= 2 * force)
-        & (sizes.buckling_load / loaded**2 >= 2 * force)
+        & (np.vectorize(_johnson)(sizes.euler_load / loaded**2, sizes.yield_load) >= 2 * force)
         & (2 * math.pi * revolutions_per_s <= 0.8 * sizes.critical_speed / free**2)
         & (d * 1e3 * revolutions_per_s * 60 <= 100_000)
     )

@@ -306,6 +306,14 @@ def test_assumptions_of_limits_and_of_the_operating_point(found, mechanism):
     assert found.to_dict()["assumptions"] == list(found.assumptions)
 
 
+def test_a_study_says_which_frequencies_jump():
+    from prsm_jax.studies._study import _sentences
+
+    assert len(_sentences(["efficiency", "lowest_transverse_frequency"])) == 1
+    _, jumps = _sentences(["efficiency", "lowest_mesh_transverse_frequency"])
+    assert "jumps to another mode where the share of a mode passes one half" in jumps
+
+
 def test_progress_names_each_part(told, found):
     names = list(dict.fromkeys(what for what, _, _ in told))
     assert names == ["map", "front", "front without spin", "front without rolling_hysteresis"]

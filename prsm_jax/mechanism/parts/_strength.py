@@ -93,6 +93,7 @@ class AxialPlay(Limited):
     arrangement: PreloadArrangement = choice(
         "preload between two nuts, or between the halves of one on the same rollers",
         default="double_nut",
+        implied=True,
     )
 
     def __check_init__(self) -> None:

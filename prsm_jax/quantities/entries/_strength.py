@@ -14,8 +14,33 @@ from ...geometry import flanks_end
 from ...load_sharing import SideLoads
 from ...mechanism import Stage
 from .._analysis import Analysis, SharedLoad
+from .._assumptions import assumption, derives_static_capacity
 from .._catalogue import quantity
 from .._onsets import onsets_anywhere
+
+
+@assumption("static_load")
+def static_load(stage: Stage) -> str | None:
+    """Load under which threads share for the static capacity."""
+    sharing = stage.load_sharing
+    if sharing is None or sharing.split_nut is not None or not derives_static_capacity(stage):
+        return None
+    return (
+        "The static capacity is that of threads that share the load as under the largest load of "
+        "the file; where sharing changes with the load, compute the capacity at a load near it."
+    )
+
+
+@assumption("euler")
+def euler(stage: Stage) -> str | None:
+    """For the buckling of a screw whose yield strength is not given."""
+    shaft = None if stage.strength is None else stage.strength.shaft
+    if shaft is None or shaft.yield_strength is not None:
+        return None
+    return (
+        "The buckling load is that of a slender elastic screw (Euler), since the file gives no "
+        "yield strength; a short screw yields below it."
+    )
 
 
 def per_stage(analysis: Analysis, function: Callable[[int, Stage], Scalar]):
@@ -98,7 +123,7 @@ def static_capacity_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "static axial capacity: given, or at the permissible Hertz pressure (as ISO 76 for bearings), "
     "threads sharing as under the largest load",
     ("stage",),
-    assumes=("static_sharing", "static_criterion", "flanks_of_static"),
+    assumes=("static_sharing", "static_criterion", "static_load", "flanks_of_static"),
     shares=("largest",),
 )
 def static_capacity(analysis: Analysis):
@@ -117,7 +142,7 @@ def static_safety_of(analysis: Analysis, index: int, stage: Stage) -> Scalar:
     "1",
     "static capacity over the largest load of operating point and duty cycle, smallest of all "
     "stages (as ISO 76 for bearings); ∞ without load",
-    assumes=("static_sharing", "static_criterion", "flanks_of_static"),
+    assumes=("static_sharing", "static_criterion", "static_load", "flanks_of_static"),
     shares=("largest",),
 )
 def static_safety(analysis: Analysis):
@@ -198,7 +223,7 @@ def dynamic_capacity(analysis: Analysis):
     return per_stage(analysis, lambda i, stage: dynamic_capacity_of(analysis, i, stage))
 
 
-#: Name, symbol, unit, description and function of quantities of the screw alone.
+#: Name, symbol, unit, description, function and assumptions of quantities of the screw alone.
 _OF_THE_SCREW = (
     (
         "buckling_load",
@@ -207,6 +232,7 @@ _OF_THE_SCREW = (
         "axial load at which the screw buckles (Euler; Johnson for a short screw whose yield "
         "strength is given)",
         strength.buckling_load,
+        ("euler",),
     ),
     (
         "slenderness_ratio",
@@ -214,6 +240,7 @@ _OF_THE_SCREW = (
         "1",
         "effective length of the screw over its radius of gyration at the thread's root",
         strength.slenderness_ratio,
+        (),
     ),
     (
         "critical_speed",
@@ -221,6 +248,7 @@ _OF_THE_SCREW = (
         "rad/s",
         "screw speed at its first bending frequency (whirling), nut at the worst position",
         strength.critical_speed,
+        (),
     ),
     (
         "permissible_speed",
@@ -229,6 +257,7 @@ _OF_THE_SCREW = (
         "permissible share of the critical speed, or the speed of the DN limit if that is lower "
         "(as catalogues of ball screws)",
         strength.permissible_speed,
+        (),
     ),
 )
 
@@ -237,8 +266,9 @@ def _of_every_stage(function: Callable[[Stage], Scalar]):
     return lambda analysis: per_stage(analysis, lambda _, stage: function(stage))
 
 
-for _name, _symbol, _unit, _description, _function in _OF_THE_SCREW:
-    quantity(_name, _symbol, _unit, _description, ("stage",))(_of_every_stage(_function))
+for _name, _symbol, _unit, _description, _function, _assumes in _OF_THE_SCREW:
+    _of_stages = quantity(_name, _symbol, _unit, _description, ("stage",), assumes=_assumes)
+    _of_stages(_of_every_stage(_function))
 
 
 @quantity(
@@ -247,6 +277,7 @@ for _name, _symbol, _unit, _description, _function in _OF_THE_SCREW:
     "1",
     "buckling load over the largest load, taken as compressive; smallest of all stages (catalogues "
     "of ball screws require 2); ∞ without load",
+    assumes=("euler",),
 )
 def buckling_safety(analysis: Analysis):
     loads = per_stage(analysis, lambda _, stage: strength.buckling_load(stage))

@@ -100,7 +100,8 @@ def lowest_torsional_frequency(analysis: Analysis):
     "lowest_mesh_torsional_frequency",
     "f_tm",
     "Hz",
-    "lowest torsional natural frequency with most of its strain energy in the contacts",
+    "lowest torsional natural frequency with most of its strain energy in the contacts; jumps to "
+    "another mode where the share of energy passes one half",
 )
 def lowest_mesh_torsional_frequency(analysis: Analysis):
     return _lowest_mesh_dominated(analysis.torsional)
@@ -115,7 +116,8 @@ def lowest_transverse_frequency(analysis: Analysis):
     "lowest_mesh_transverse_frequency",
     "f_xm",
     "Hz",
-    "lowest transverse natural frequency with most of its strain energy in the contacts",
+    "lowest transverse natural frequency with most of its strain energy in the contacts; jumps to "
+    "another mode where the share of energy passes one half",
 )
 def lowest_mesh_transverse_frequency(analysis: Analysis):
     return _lowest_mesh_dominated(analysis.transverse)

@@ -32,6 +32,9 @@ _FIXED = {
         "ISO 76 for ball bearings: permanent deformation of 1e-4 of the ball's diameter"
     ),
     "stage.strength.shaft.root_radius": "as in the catalogue, or 0.25 pitches below the thread",
+    "stage.strength.shaft.yield_strength": (
+        "core of an induction-hardened screw, quenched and tempered: an assumption"
+    ),
     "stage.strength.shaft.end_conditions": "fixed at the motor, supported at the other end",
     "stage.strength.shaft.permissible_speed_share": "as catalogues of ball screws allow",
 }
