@@ -247,9 +247,9 @@ def _false_brinelling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     def message(r: Reading) -> str:
         turning = mechanism.stages[index].thread.family.turning
         return (
-            f"the {turning} oscillates by {math.degrees(r.details['there']):.3g} deg to either "
+            f"the {turning} oscillates by {math.degrees(r.details['available']):.3g} deg to either "
             "side, but its contacts leave their own ellipse only from "
-            f"{math.degrees(r.details['needed']):.3g} deg on: they wear locally, which the rating "
+            f"{math.degrees(r.details['required']):.3g} deg on: they wear locally, which the rating "
             f"life does not cover; turn the {turning} further from time to time"
         )
 

@@ -16,8 +16,9 @@ from .._style import FREE, INK, MUTED, SERIES, SMALL, Axes, Figure, drawn, page_
 
 #: Largest number of phases that are numbered.
 _MOST_NAMED = 8
-#: A bar narrower than this share is too narrow for its number.
-_NAMED_SHARE = 0.03
+#: A bar narrower than this share is too narrow for its number, unless its damage is above a number
+#: of per cent and the last number is more than some per cent of the revolutions away.
+_NAMED_SHARE, _MATTERS, _APART = 0.03, 5.0, 4.0
 
 
 @drawn
@@ -153,8 +154,12 @@ def _constant_load(comparable: Callable[[np.ndarray], np.ndarray], target: float
 
 
 def _name_phases(axes: Axes, centres, heights, order, widths) -> None:
+    last = -np.inf
     for centre, height, index, width in zip(centres, heights, order, widths, strict=True):
-        if width > 100 * _NAMED_SHARE:
+        # A narrow bar has a number if it matters and the number does not touch the last one.
+        matters = height > _MATTERS and centre - last > _APART
+        if width > 100 * _NAMED_SHARE or matters:
+            last = centre
             words = f"{index + 1}"
             axes.text(centre, height, words, ha="center", va="bottom", fontsize=SMALL)
 

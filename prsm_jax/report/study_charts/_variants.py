@@ -10,6 +10,9 @@ from ...text import display_unit
 from .._parts import in_words, legend_below
 from .._style import INK, SERIES, Figure, drawn, page_figure, readable
 
+#: What became of designs of a front without a part, with the marker of each.
+_STATES = (("the same designs with complete physics", "o"), ("those that break a limit then", "x"))
+
 
 @drawn
 def variant_changes(study: DriverStudy) -> Figure:
@@ -86,6 +89,7 @@ def variant_fronts(study: DriverStudy) -> Figure:
         if study.front.points:
             ends = [shown[name](study.designs.values[name][1:]) for name in (x, y)]
             axes.plot(*ends, color=INK, lw=1.4, marker="o", ms=3.5, label="complete physics")
+        seen: set[str] = set()
         for place, one in enumerate(variants):
             colour, words = SERIES[place], f"without {readable(one.name)}"
             order = [list(study.problem.objectives).index(name) for name in (x, y)]
@@ -93,17 +97,18 @@ def variant_fronts(study: DriverStudy) -> Figure:
             alone = [shown[n](one.front.values[:, i]) for n, i in zip((x, y), order, strict=True)]
             axes.plot(*alone, color=colour, lw=1.0, ls="--", label=words)
             full = [shown[name](one.complete[name]) for name in (x, y)]
-            for kept, marker, state in (
-                (one.allowed, "o", "the same designs with complete physics"),
-                (~one.allowed, "x", "those that break a limit then"),
-            ):
+            for kept, (state, marker) in zip((one.allowed, ~one.allowed), _STATES, strict=True):
                 if kept.any():
-                    known = axes.get_legend_handles_labels()[1]
+                    seen.add(state)
                     # Sizes differ, so that designs that coincide are all visible.
                     axes.plot(
                         full[0][kept], full[1][kept], ls="", marker=marker, ms=7.0 - 1.5 * place,
-                        mfc="none", mec=colour, label="_" if state in known else state,
+                        mfc="none", mec=colour, label="_",
                     )  # fmt: skip
+        # Each variant has its own colour; the legend has the shapes of all in black.
+        for state, marker in _STATES:
+            if state in seen:
+                axes.plot([], [], ls="", marker=marker, mfc="none", mec=INK, label=state)
         for name, label in ((x, axes.set_xlabel), (y, axes.set_ylabel)):
             label(f"{in_words(readable(name), shown[name])} ({study.problem.senses[name]})")
         axes.grid(True)

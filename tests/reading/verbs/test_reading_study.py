@@ -215,7 +215,10 @@ def test_other_fronts(study):
     x, y = study.problem.objectives
     units = UNITS[x], UNITS[y]
     spin = study.variants[0]
-    front, alone, allowed, refused = chart.lines(axes)
+    front, alone, allowed, refused, *shapes = chart.lines(axes)
+    # For the legend alone: every variant has its own colour.
+    assert [(one.get_marker(), len(x_data(one))) for one in shapes] == [("o", 0), ("x", 0)]
+    chart.take(*shapes)
     chart.curve(axes, front, study.designs.values[x][1:], study.designs.values[y][1:], units)
     chart.curve(axes, alone, spin.front.values[:, 0], spin.front.values[:, 1], units)
     full = spin.complete
