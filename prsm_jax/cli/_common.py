@@ -14,9 +14,10 @@ import jax
 import numpy as np
 from cyclopts import Parameter
 
+from .._errors import PrsmError, UnknownNameError
 from ..findings import CheckNumbers, check_from, margin_numbers, prepare_check
 from ..geometry import Finding
-from ..mechanism import Mechanism, get_parameter
+from ..mechanism import Mechanism, find_parameters, get_parameter
 from ..process import make_folder, whole_file
 from ..programs import while_compiling
 from ..text import markdown
@@ -245,3 +246,28 @@ def words_of(text: str | None) -> list[str] | None:
     if text is None:
         return None
     return [word.strip() for word in text.split(",") if word.strip()]
+
+
+def parameters_of(
+    mechanism: Mechanism, text: str | None, option: str, *, differentiated: bool = False
+) -> list[str] | None:
+    """A comma-separated option of names of numbers, as a list.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism that has the numbers.
+    - `text`: what the user wrote; `None` gives `None`.
+    - `option`: the option, for messages.
+    - `differentiated`: whether whole numbers, which have no derivative, are refused.
+
+    **Raises:** `PrsmError` for a name that is unknown or ambiguous.
+    """
+    names = words_of(text)
+    for name in names or ():
+        try:
+            static = find_parameters(mechanism, name)[0].static
+        except UnknownNameError as error:
+            raise PrsmError(f"{option}: {error}") from error
+        if static and differentiated:
+            raise PrsmError(f"{option}: {name} is a whole number, which has no derivative")
+    return names

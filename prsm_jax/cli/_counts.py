@@ -1,4 +1,4 @@
-"""Options that are counts, with their ranges, and what is said of options that cannot be used."""
+"""Options that are counts or shares, and what is said of options that cannot be used."""
 
 import contextlib
 import itertools
@@ -46,6 +46,21 @@ def count(least: int, most: int | None = None, *, help: str) -> Parameter:
         raise ValueError(f"must be a whole number {allowed}")
 
     return Parameter(help=help, validator=validate, converter=whole)
+
+
+def share(help: str) -> Parameter:
+    """A number between 0 and 1, ends excluded; the message for another one names the option.
+
+    **Arguments:**
+
+    - `help`: what `--help` prints.
+    """
+
+    def validate(_: Any, value: float | None) -> None:
+        if value is not None and not 0 < value < 1:
+            raise ValueError("must be between 0 and 1, such as 0.99")
+
+    return Parameter(help=help, validator=validate)
 
 
 def error_text(error: CycloptsError, words: Sequence[str]) -> str:

@@ -1,9 +1,13 @@
 """The optimised or calibrated mechanism as a file: the original file with new numbers."""
 
+import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..mechanism import Mechanism, set_parameters
 from ..quantities import catalogue
+from ._common import Common
+from ._progress import clear
 
 if TYPE_CHECKING:
     from ..calibration import Calibration
@@ -11,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def optimised_text(source: str, best: "Optimum") -> str:
-    """The file that was optimised, with the new numbers; comments and order stay.
+    """The file that was optimised, with the new numbers; a comment above says which they are.
 
     Variables have six digits, or more if rounding changes an objective or constraint by over 1e-6.
 
@@ -26,7 +30,7 @@ def optimised_text(source: str, best: "Optimum") -> str:
     values = rounded_variables(best.mechanism, best, round_in_unit)
     written = set_parameters(best.mechanism, values)
     units = {quantity.name: quantity.unit for quantity in catalogue()}
-    return edit(source_text(source), written, units)
+    return edit(source_text(source), written, units, by="prsm optimise")
 
 
 #: Significant digits of fitted numbers: rounding is far below any scatter.
@@ -34,7 +38,7 @@ _DIGITS = 6
 
 
 def calibrated_text(source: str, mechanism: Mechanism, fit: "Calibration") -> str:
-    """The file that was calibrated, with fitted numbers of six digits; comments and order stay.
+    """The file that was calibrated, with fitted numbers of six digits, named in a comment above.
 
     **Arguments:**
 
@@ -51,4 +55,25 @@ def calibrated_text(source: str, mechanism: Mechanism, fit: "Calibration") -> st
     }
     written = set_parameters(mechanism, values)
     units = {quantity.name: quantity.unit for quantity in catalogue()}
-    return edit(source_text(source), written, units)
+    return edit(source_text(source), written, units, by="prsm calibrate")
+
+
+def nothing_written(path: Path, reason: str, common: Common) -> str:
+    """Why a file was not written, and that one of an earlier run is still there.
+
+    With `--json` the text is not shown; the file of the earlier run is then named on stderr.
+
+    **Arguments:**
+
+    - `path`: the file that the verb would have written.
+    - `reason`: why it was not.
+    - `common`: the options of the verb.
+    """
+    words = f"no file written: {reason}"
+    if not path.exists():
+        return words
+    earlier = f"{path} is of an earlier run"
+    if common.json is not None:
+        clear()
+        print(f"prsm: {words}; {earlier}", file=sys.stderr)
+    return f"{words}\n{earlier}"

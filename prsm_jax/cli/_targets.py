@@ -42,6 +42,9 @@ def check_folder(folder: Path | None, option: str = "--out") -> None:
     place = folder.absolute()
     if place.exists() and not place.is_dir():
         raise PrsmError(f"{words}: is a file; give a folder")
+    if place.suffix == ".toml" and not place.exists():
+        # The name of a file that the user expects here would become that of a folder.
+        raise PrsmError(f"{words}: is the name of a file; give a folder, which is made if needed")
     while not place.exists():
         place = place.parent
     if not place.is_dir():

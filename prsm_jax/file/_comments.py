@@ -62,13 +62,13 @@ def commented(mechanism: Mechanism, reasons: Mapping[str, str], head: Iterable[s
     for stage in mechanism.stages:
         known.update(_descriptions(stage, "stage"))
     known |= reasons
-    lines: list[str] = [*_above(head), ""]
+    lines: list[str] = [*comment_lines(head), ""]
     table = ""
     for line in dumps(mechanism).splitlines():
         key = line.partition(" = ")[0]
         if line.startswith("["):
             table = line.strip("[]")
-            lines += [*_above([known[table]] if table in known else []), line]
+            lines += [*comment_lines([known[table]] if table in known else []), line]
             continue
         comment = known.get(f"{table}.{key}" if table else key, "")
         if not line or not comment:
@@ -76,15 +76,15 @@ def commented(mechanism: Mechanism, reasons: Mapping[str, str], head: Iterable[s
         elif max(len(line), _COLUMN) + len(comment) + 4 <= _WIDTH:
             lines.append(f"{line.ljust(_COLUMN)}  # {comment}")
         else:
-            lines += [*_above([comment]), line]
+            lines += [*comment_lines([comment]), line]
     text = "\n".join(lines) + "\n"
     if not eqx.tree_equal(loads(text), loads(dumps(mechanism))):
         raise FileError("the comments change the mechanism; a comment has a line break")
     return text
 
 
-def _above(sentences: Iterable[str]) -> list[str]:
-    """Comment lines."""
+def comment_lines(sentences: Iterable[str]) -> list[str]:
+    """Sentences as lines of comments of a file."""
     return [f"# {line}" for words in sentences for line in textwrap.wrap(words, _WIDTH - 2)]
 
 

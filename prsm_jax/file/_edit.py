@@ -1,11 +1,12 @@
-"""Editing: changes numbers of a file, and keeps its comments and order."""
+"""Editing: changes numbers of a file, and keeps the order and the comments of the other lines."""
 
 import tomllib
-from collections.abc import Mapping, MutableMapping
+from collections.abc import Iterator, Mapping, MutableMapping
 from typing import Any
 
 from .._errors import FileError, missing_extra
 from ..mechanism import Mechanism
+from ._comments import comment_lines
 from ._examples import example_bytes, example_names, example_text
 from ._read import bytes_of, loads, text_of
 from ._write import dumps, unread_text
@@ -27,17 +28,26 @@ def source_bytes(source: str) -> bytes:
     return example_bytes(source) if source in example_names() else bytes_of(source)
 
 
-def edit(text: str, mechanism: Mechanism, quantity_units: Mapping[str, str] | None = None) -> str:
+def edit(
+    text: str,
+    mechanism: Mechanism,
+    quantity_units: Mapping[str, str] | None = None,
+    *,
+    by: str | None = None,
+) -> str:
     """The text of a file, changed where `mechanism` differs from what it says.
 
-    The rest stays as it is, comments and the order of keys included; if the text cannot be changed
-    key by key, the mechanism is written anew.
+    The comment at the end of a changed line is removed, because it described the former number.
+    The rest stays as it is, other comments and the order of keys included; if the text cannot be
+    changed key by key, the mechanism is written anew.
 
     **Arguments:**
 
     - `text`: TOML text of a mechanism.
     - `mechanism`: the mechanism that the new text describes, exactly.
     - `quantity_units`: as for `dumps`.
+    - `by`: what changes it, such as `"prsm optimise"`, for a comment above everything that names
+      the changed numbers; without it there is no such comment.
 
     **Raises:** as `loads` and `dumps` do.
     """
@@ -47,15 +57,47 @@ def edit(text: str, mechanism: Mechanism, quantity_units: Mapping[str, str] | No
     except ModuleNotFoundError as error:
         raise missing_extra("file", "editing mechanism files", error) from error
     before = tomllib.loads(unread_text(loads(text), quantity_units))
+    after = tomllib.loads(anew)
     document = tomlkit.parse(text)
     try:
-        _change(document, before, tomllib.loads(anew))
+        _change(document, before, after)
         edited = tomlkit.dumps(document)
         # The edited text must describe the same mechanism.
         same = unread_text(loads(edited), quantity_units) == anew
     except (FileError, KeyError, IndexError, TypeError):
         same = False
-    return edited if same else anew
+    new = edited if same else anew
+    changed = tuple(_changed(before, after, ""))
+    return new if by is None or not changed else _headed(new, by, changed, kept=same)
+
+
+def _headed(text: str, by: str, changed: tuple[str, ...], *, kept: bool) -> str:
+    """The text below a comment that says what changed it, and that comments may be out of date."""
+    comments = (
+        "The comments of the changed lines were removed; other comments may describe the former "
+        "numbers."
+        if kept
+        else "The file was written anew, without the comments that it had."
+    )
+    head = comment_lines([f"Changed by {by}: {', '.join(changed)}.", comments])
+    return "\n".join([*head, "", text])
+
+
+def _changed(before: Mapping[str, Any], after: Mapping[str, Any], table: str) -> Iterator[str]:
+    """Names of what differs between two tables, in the order of the second."""
+    for key in [*after, *(key for key in before if key not in after)]:
+        old, new, name = before.get(key), after.get(key), f"{table}{key}"
+        if old == new:
+            continue
+        if isinstance(old, dict) and isinstance(new, dict):
+            yield from _changed(old, new, f"{name}.")
+        elif _tables(old) and _tables(new) and len(old) == len(new):
+            for number, (was, is_now) in enumerate(zip(old, new, strict=True), start=1):
+                # The number of an only stage is left out, as in its other names.
+                row = name if len(new) == 1 else f"{name}.{number}"
+                yield from _changed(was, is_now, f"{row}.")
+        else:
+            yield name
 
 
 def _change(
@@ -76,6 +118,19 @@ def _change(
                     _change(document[key][index], was, is_now)
         else:
             document[key] = value
+        _drop_comment(document[key])
+
+
+def _drop_comment(item: Any) -> None:
+    """Remove the comment at the end of the line of a number, a text or an inline table.
+
+    That of the head of a table stays: it says what the table is.
+    """
+    from tomlkit.items import AbstractTable, AoT, InlineTable, Item
+
+    heads = isinstance(item, AbstractTable | AoT) and not isinstance(item, InlineTable)
+    if isinstance(item, Item) and not heads:
+        item.trivia.comment_ws = item.trivia.comment = ""
 
 
 def _tables(value: Any) -> bool:

@@ -32,7 +32,8 @@ _WORDS = {
     "contact_angle": "between 0 and pi/2 (90 deg)",
     "roller_profile_radius": "more than 0",
 }
-_UNITS = {"starts": "", "radius_ratio": "", "contact_angle": " rad"}
+#: Their SI units.
+_UNITS = {"starts": "1", "radius_ratio": "1", "contact_angle": "rad"}
 
 
 def _words(stage: Stage, name: str) -> str:
@@ -67,6 +68,7 @@ def _clearance(
 def _dimensions(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     """Thread parameters outside their permitted ranges."""
     for name in dimension_names(mechanism.stages[index].thread):
+        unit = _UNITS.get(name, "m")
 
         def present_value(analysis: Analysis, name=name) -> dict[str, Scalar]:
             return {"given": getattr(analysis.mechanism.stages[index].thread, name)}
@@ -76,10 +78,12 @@ def _dimensions(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             index + 1,
             lambda a, name=name: dimension_margins(a.mechanism.stages[index].thread)[name],
             (("error", 0.0),),
-            lambda r, name=name: (
-                f"stage.thread.{name} is {r.details['given']:.6g}{_UNITS.get(name, ' m')}; it must "
-                f"be {_words(r.mechanism.stages[index], name)}: such a thread cannot exist"
+            lambda r, name=name, unit=unit: (
+                f"stage.thread.{name} is {r.details['given']:.6g}"
+                f"{'' if unit == '1' else f' {unit}'}; it must be "
+                f"{_words(r.mechanism.stages[index], name)}: such a thread cannot exist"
             ),
+            unit=unit,
             kind="existence",
             details=present_value,
             shown=lambda r: (r.details["given"], r.details["given"] - r.value),

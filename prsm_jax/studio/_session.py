@@ -220,9 +220,9 @@ class Session:
             self._become(self._history.committed().moved(rounded).committed())
 
     def text(self) -> str:
-        """The text of the file with the present values; comments and order stay."""
+        """The text of the file with the present values; a comment above names the changed ones."""
         units = {quantity.name: quantity.unit for quantity in catalogue()}
-        return edit(source_text(self.source), self.mechanism(), units)
+        return edit(source_text(self.source), self.mechanism(), units, by="prsm studio")
 
     def save(self, name: str, *, replace: bool = False) -> Path:
         """Write the file into the chosen folder.

@@ -1,4 +1,4 @@
-"""Counts out of range: refused in one line that names the option, before anything is read."""
+"""Counts and shares out of range, before anything is read, and unknown numbers: one line each."""
 
 import pytest
 
@@ -69,3 +69,40 @@ def test_a_whole_number_may_be_written_as_a_decimal_one(prsm):
     for value in ("1e3", "100.0"):
         status, _, err = prsm("simulate", "absent.toml", "--samples", value)
         assert (status, "absent.toml" in err) == (2, True), err
+
+
+@pytest.mark.parametrize("value", ["1.5", "0", "1", "-0.5", "nan"])
+def test_a_share_out_of_range_names_its_option(prsm, tmp_path, value):
+    status, out, err = prsm("tolerance", "absent.toml", f"--wanted-yield={value}")
+    assert (status, out) == (2, "")
+    assert err.startswith("prsm: --wanted-yield ")
+    assert err.endswith(": must be between 0 and 1, such as 0.99\n")
+    status, _, err = prsm("tolerance", "absent.toml", "--wanted-yield", "0.5")
+    assert (status, "absent.toml" in err) == (2, True), err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (
+            ("sweep", "actuator", "--axis", "lead=5 mm,6 mm", "--gradients", "efficiency"),
+            "--gradients: unknown parameter 'efficiency'; did you mean ",
+        ),
+        (
+            ("sweep", "actuator", "--axis", "lead=5 mm,6 mm", "--gradients", "lead,roller_count"),
+            "--gradients: roller_count is a whole number, which has no derivative\n",
+        ),
+        (
+            ("sensitivity", "actuator", "--parameters", "lead,leed"),
+            "--parameters: unknown parameter 'leed'; did you mean ",
+        ),
+        (
+            ("calibrate", "wu2022", "--data", "wu2022_torque", "--parameters", "leed"),
+            "--parameters: unknown parameter 'leed'; did you mean ",
+        ),
+    ],
+)
+def test_an_unknown_number_names_its_option(prsm, words, message):
+    status, out, err = prsm(*words)
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith(f"prsm: {message}")

@@ -7,7 +7,9 @@ import re
 import numpy as np
 import pytest
 
+import prsm_jax
 from prsm_jax import file
+from tests import scenes
 
 #: Every verb, with what it needs to run.
 VERBS = {
@@ -130,6 +132,18 @@ def test_other_verbs_write_into_out(prsm, tmp_path):
     assert "| efficiency |" in (tmp_path / "b" / "quantities.md").read_text()
     assert prsm("example", "actuator", "--out", "c")[0] == 0
     assert (tmp_path / "c" / "actuator.toml").read_text() == file.example_text("actuator")
+    # The name of a file is not made a folder; one that exists is what it is.
+    for words in (("example", "actuator"), ("optimise", "actuator"), ("quantities",)):
+        status, out, err = prsm(*words, "--out", "new/actuator.toml")
+        assert (status, out) == (2, "")
+        assert err == (
+            "prsm: --out new/actuator.toml: is the name of a file; give a folder, which is made if "
+            "needed\n"
+        )
+        assert not (tmp_path / "new").exists()
+    (tmp_path / "folder.toml").mkdir()
+    assert prsm("example", "actuator", "--out", "folder.toml")[0] == 0
+    assert (tmp_path / "folder.toml" / "actuator.toml").is_file()
     status, _, err = prsm("example", "--out", "d")
     assert status == 2
     assert "say which example" in err
@@ -195,6 +209,26 @@ def test_a_torque_at_standstill_is_said_to_be_without_friction(prsm):
     assert words in " ".join(out.split())
     _, out, _ = prsm("simulate", "wu2022")
     assert "stands still" not in out
+
+
+def test_a_steady_state_at_standstill_says_that_it_is_the_start_of_motion(prsm, prsm_json):
+    """Its torque is that of turning slowly; any torque down to that of back-driving holds."""
+    still = prsm_json("steady", "wu2022", "--set", "speed=0")
+    mechanism = scenes.example("wu2022")
+    slow, back = (
+        float(prsm_jax.steady_state(mechanism, speed=speed).drive_torque) for speed in (1e-6, -1e-6)
+    )
+    assert still["drive_torque_nm"] == pytest.approx(slow, rel=1e-6)
+    assert back < 7e3 * 10e-3 / (2 * np.pi) < slow
+    words = (
+        "At speed 0, efficiency, torque and forces are those of the start of motion, with the "
+        "screw driving: the limit of slow turning. At rest, any torque between this one and that "
+        "of back-driving (a negative speed) holds the load."
+    )
+    assert still["assumptions"][0] == words
+    assert words not in prsm_json("steady", "wu2022")["assumptions"]
+    _, out, _ = prsm("steady", "wu2022", "--set", "speed=0")
+    assert words in " ".join(out.split())
 
 
 def test_a_closed_form_has_no_steps(prsm):

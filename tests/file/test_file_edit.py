@@ -1,4 +1,4 @@
-"""A file with some numbers changed keeps its comments and its order."""
+"""A file with some numbers changed keeps its order, and the comments of the other lines."""
 
 import difflib
 
@@ -20,13 +20,14 @@ def test_only_the_changed_line_differs(name):
         if line.startswith(("+", "-"))
     ]
     assert len(changed) == 2
+    assert changed[1].partition("#")[::2] == (changed[1], "")
     assert '"7.25 mm"' in changed[1]
     assert file.dumps(file.loads(edited)) == file.dumps(mechanism)
 
 
 def test_nothing_to_change_is_the_same_text():
     text = file.example_text("actuator")
-    assert edit(text, file.loads(text)) == text
+    assert edit(text, file.loads(text), by="prsm optimise") == text
 
 
 def test_a_number_that_the_file_left_to_follow_is_added_in_its_table():
@@ -35,10 +36,94 @@ def test_a_number_that_the_file_left_to_follow_is_added_in_its_table():
     mechanism = apply_settings(file.loads(text), ["roller_profile_radius=7.5 mm", "speed=700 rpm"])
     edited = edit(text, mechanism)
     assert file.dumps(file.loads(edited)) == file.dumps(mechanism)
-    assert [x.partition("#")[2] for x in edited.splitlines() if "#" in x] == [
-        x.partition("#")[2] for x in text.splitlines() if "#" in x
-    ]
+    # Only the comment that the speed of 1500 rpm had is gone.
+    comments, before = (
+        [x.partition("#")[2] for x in one.splitlines() if "#" in x] for one in (edited, text)
+    )
+    before.remove(" 250 mm/s at a lead of 10 mm")
+    assert comments == before
     assert 'roller_profile_radius = "7.5 mm"' in edited
+
+
+#: A screw with comments at every kind of place.
+COMMENTED = """# A screw of 24 mm.
+title = "Small screw"   # by hand
+
+[operating_point]       # of the rudder
+# Hot.
+speed = "1500 rpm"      # 250 mm/s
+load = "12 kN"          # a fifth of the capacity
+
+[[stage]]
+roller_count = 10
+[stage.thread]          # five starts
+lead = "10 mm"          # pitch 2 mm
+starts = 5
+roller_radius = "4 mm"  # screw 24 mm in diameter
+contact_angle = "45 deg"
+
+[[duty_cycle]]
+duration = "10 s"
+speed = "150 rpm"
+load = "3 kN"           # cruise
+
+[[duty_cycle]]
+duration = "2 s"
+speed = "1500 rpm"
+load = "12 kN"          # gusts
+
+[tolerances]
+lead = { lower = "-5 um", upper = "5 um", distribution = "normal", sigmas = 3 }  # +-5 um
+"""
+
+
+def test_a_changed_line_loses_its_comment_and_the_head_names_it():
+    mechanism = apply_settings(
+        file.loads(COMMENTED), ["lead=11.25 mm", "roller_radius=3.8 mm", "speed=700 rpm"]
+    )
+    edited = edit(COMMENTED, mechanism, by="prsm optimise")
+    assert file.dumps(file.loads(edited)) == file.dumps(mechanism)
+    head, body = edited.split("\n\n", 1)
+    assert head.splitlines() == [
+        "# Changed by prsm optimise: operating_point.speed, stage.thread.lead, "
+        "stage.thread.roller_radius.",
+        "# The comments of the changed lines were removed; other comments may describe the former "
+        "numbers.",
+    ]
+    expected = COMMENTED
+    for old, new in (
+        ('speed = "1500 rpm"      # 250 mm/s', 'speed = "700 rpm"'),
+        ('lead = "10 mm"          # pitch 2 mm', 'lead = "11.25 mm"'),
+        ('roller_radius = "4 mm"  # screw 24 mm in diameter', 'roller_radius = "3.8 mm"'),
+    ):
+        assert expected.count(old) == 1
+        expected = expected.replace(old, new)
+    assert body == expected
+    # All of these names can be set, and the next edit adds its own head.
+    again = edit(edited, apply_settings(mechanism, ["stage.thread.lead=9 mm"]), by="prsm studio")
+    assert again.splitlines()[0] == "# Changed by prsm studio: stage.thread.lead."
+    assert "# Changed by prsm optimise: operating_point.speed" in again
+
+
+def test_rows_and_tables_in_one_line_lose_their_comments():
+    text = (
+        COMMENTED.replace('"12 kN"          # gusts', '"13 kN"').replace("5 um", "6 um")
+    )
+    edited = edit(COMMENTED, file.loads(text), by="it")
+    assert edited.startswith("# Changed by it: duty_cycle.2.load, tolerances.lead.")
+    assert "gusts" not in edited
+    assert "+-5 um" not in edited
+    assert "# cruise" in edited
+
+
+def test_a_file_written_anew_says_that_its_comments_are_gone(monkeypatch):
+    monkeypatch.setattr("prsm_jax.file._edit._change", lambda *_: None)
+    mechanism = apply_settings(file.loads(COMMENTED), ["lead=11.25 mm"])
+    assert edit(COMMENTED, mechanism, by="it") == (
+        "# Changed by it: stage.thread.lead.\n"
+        "# The file was written anew, without the comments that it had.\n\n"
+        + file.dumps(mechanism)
+    )
 
 
 def test_another_number_of_stages_is_written_anew():

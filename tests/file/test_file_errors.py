@@ -216,6 +216,72 @@ def test_settings_refused(setting, message):
 
 
 @pytest.mark.parametrize(
+    ("first", "second", "message"),
+    [
+        ("lead=12 mm", "lead=10 mm", "sets the same number as --set {}; leave one of them out"),
+        ("lead=12 mm", "stage.1.thread.lead=12 mm", "sets the same number as --set {}; leave one"),
+        ("roller_count=9", "roller_count=8", "sets the same number as --set {}; leave one of"),
+        ("curvature=exact", "curvature=wu2022", "sets the same number as --set {}; leave one of"),
+        # Names of one number: the lead is starts times pitch, and 90 deg is the sum of the angles.
+        (
+            "thread.lead=12mm",
+            "pitch=3mm",
+            "changes thread.lead again, which --set {} sets; leave one of them out",
+        ),
+        (
+            "pitch=3mm",
+            "lead=12 mm",
+            "changes pitch again, which --set {} sets; leave one of them out",
+        ),
+        (
+            "contact_angle=40 deg",
+            "flank_angle=45 deg",
+            "changes contact_angle again, which --set {} sets; leave one of them out",
+        ),
+        # One of the two orders is no contradiction.
+        (
+            "pitch=3 mm",
+            "starts=6",
+            "changes pitch again, which --set {} sets; leave one of them out, or write that one "
+            "after this one",
+        ),
+        (
+            "gear_module=0.6 mm",
+            "roller_teeth=20",
+            "changes gear_module again, which --set {} sets; leave one of them out, or write that "
+            "one after this one",
+        ),
+    ],
+)
+def test_settings_that_contradict_each_other_are_refused(first, second, message):
+    with pytest.raises(FileError) as caught:
+        file.apply_settings(file.load("actuator"), ["speed=1 rpm", first, second])
+    assert str(caught.value).startswith(f"--set {second}: {message.format(first)}")
+    if message.endswith("out"):
+        assert str(caught.value).endswith("leave one of them out")
+
+
+def test_settings_that_agree_are_accepted():
+    actuator = file.load("actuator")
+    # 5 starts of 2.4 mm, and 6 of 3 mm.
+    for settings, lead in (
+        (["lead=12 mm", "pitch=2.4 mm"], 12e-3),
+        (["starts=6", "pitch=3 mm"], 18e-3),
+    ):
+        moved = file.apply_settings(actuator, settings).stages[0].thread
+        assert float(moved.lead) == pytest.approx(lead, rel=1e-12)
+    two = file.load("li2020_two_stage")
+    both = file.apply_settings(two, ["stage.1.lead=11 mm", "stage.2.lead=9 mm"])
+    assert [float(stage.thread.lead) for stage in both.stages] == [11e-3, 9e-3]
+    with pytest.raises(FileError) as caught:
+        file.apply_settings(two, ["lead=11 mm", "stage.2.lead=9 mm"])
+    assert str(caught.value) == (
+        "--set stage.2.lead=9 mm: sets the same number as --set lead=11 mm; name the number of a "
+        "stage in each"
+    )
+
+
+@pytest.mark.parametrize(
     ("setting", "distance", "length"),
     [("nut_distance=1200 mm", "1.2 m", "180 mm"), ("screw.length=40 mm", "0.11 m", "40 mm")],
 )

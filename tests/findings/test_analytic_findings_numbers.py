@@ -262,3 +262,14 @@ def test_names_of_dimensions_are_those_of_their_margins(name):
     without = eqx.tree_at(lambda t: t.roller_profile_radius, other, None)
     for one in (other, without):
         assert dimension_names(one) == tuple(dimension_margins(one))
+
+
+@pytest.mark.parametrize("name", ["actuator", "wu2022", "lisowski2014", "differential_stage"])
+def test_margins_of_dimensions_have_the_units_of_their_numbers(name):
+    """A unit of a margin that is not that of its number would be read as another value."""
+    mechanism = prsm.load(name)
+    dimensions = [one for one in prsm.findings.margins_of(mechanism) if one.name == "dimension"]
+    assert len(dimensions) >= 4
+    for one in dimensions:
+        (number,) = prsm.mechanism.find_parameters(mechanism, f"stage.{one.stage}.thread.{one.subject}")
+        assert (one.subject, one.unit) == (one.subject, number.unit)

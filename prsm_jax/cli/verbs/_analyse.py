@@ -113,6 +113,19 @@ def with_result_name(results: dict[str, Any]) -> dict[str, Any]:
     return {**results, **changed}
 
 
+def _at_standstill(mechanism: Mechanism) -> tuple[str, ...]:
+    """What the results of an operating point without speed are those of."""
+    point = mechanism.operating_point
+    if point is None or float(point.speed) != 0:
+        return ()
+    body = mechanism.stages[0].thread.family.turning
+    return (
+        "At speed 0, efficiency, torque and forces are those of the start of motion, with the "
+        f"{body} driving: the limit of slow turning. At rest, any torque between this one and that "
+        "of back-driving (a negative speed) holds the load.",
+    )
+
+
 def _steady(mechanism: Mechanism) -> dict[str, Any]:
     return steady_results(steady_state(mechanism), mechanism.operating_point)
 
@@ -124,7 +137,7 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
     --out writes them as steady.json and steady.md, with pictures of the losses and of the power.
     """
     mechanism = common.load(file)
-    rests_on = assumptions(mechanism, STEADY)
+    rests_on = (*_at_standstill(mechanism), *assumptions(mechanism, STEADY))
     pictures: tuple[Path, ...] = ()
     if common.out is None:
         results = with_result_name(plain(run_stored("steady", _steady, mechanism)))

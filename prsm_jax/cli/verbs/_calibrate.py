@@ -11,8 +11,8 @@ from ...process import make_folder
 from ...quantities import assumptions, quantity_of
 from ...text import is_efficiency
 from .._app import app
-from .._common import Common, checked, emit, value_of, words_of, write_text
-from .._optimised import calibrated_text
+from .._common import Common, checked, emit, parameters_of, value_of, write_text
+from .._optimised import calibrated_text, nothing_written
 from .._progress import expect_programs
 from .._tables import terminal_width
 
@@ -115,26 +115,30 @@ def calibrate(
     from ...calibration import calibrate as run_calibration, read_measurements
 
     measured = read_measurements(data, mechanism)
-    names = words_of(parameters) if parameters is not None else _friction(mechanism)
+    names = parameters_of(mechanism, parameters, "--parameters")
+    names = _friction(mechanism) if names is None else names
     limits = dict(_bound(mechanism, text) for text in bounds or [])
     scatter = dict(_deviation(text) for text in deviations or [])
     expect_programs("start_values", "solve_one")
     fit = run_calibration(
-        mechanism, measured, names or [], standard_deviations=scatter, bounds=limits, loss=loss
+        mechanism, measured, names, standard_deviations=scatter, bounds=limits, loss=loss
     )
-    path = None
-    if common.out is not None and fit.converged:
-        from ...report import calibration_chart, save_figure
+    path, where = None, ""
+    if common.out is not None:
+        target = common.out / f"{Path(file).stem}-calibrated.toml"
+        if fit.converged:
+            from ...report import calibration_chart, save_figure
 
-        make_folder(common.out)
-        save_figure(calibration_chart(fit), common.out / "calibration")
-        path = common.out / f"{Path(file).stem}-calibrated.toml"
-        write_text(path, calibrated_text(file, mechanism, fit))
+            make_folder(common.out)
+            save_figure(calibration_chart(fit), common.out / "calibration")
+            path, where = target, f"calibrated mechanism: {target}"
+            write_text(target, calibrated_text(file, mechanism, fit))
+        else:
+            where = nothing_written(target, "the fit did not converge", common)
     results: dict[str, Any] = fit.to_dict() | {"mechanism": path, "valid": fit.converged}
 
     def text() -> str:
-        words = fit.text(terminal_width())
-        return words if path is None else f"{words}\n\ncalibrated mechanism: {path}"
+        return f"{fit.text(terminal_width())}\n\n{where}"
 
     quantities = [one.quantity for one in fit.residuals]
     valid = emit(common, results, text, assumptions(mechanism, quantities), checked(fit.mechanism))

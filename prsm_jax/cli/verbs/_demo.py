@@ -18,7 +18,7 @@ from ...programs import beside, one_program_where_possible
 from ...quantities import assumptions, available_quantities
 from .._app import app
 from .._common import Common, emit, plain
-from .._optimised import optimised_text
+from .._optimised import nothing_written, optimised_text
 from .._progress import clear, doing, expect_programs, tell
 from .._tables import TextTable, terminal_width
 from ._analyse import steady_results, with_result_name
@@ -245,5 +245,8 @@ def demo(
     tell(f"  {path}  (everything, in one file)")
     for name in ("report.md", "report.json", "figures", "results.json", *files):
         tell(f"  {folder / name}")
+    if not files:
+        reason = "the best design found breaks limits"
+        tell(nothing_written(folder / "optimised.toml", reason, common))
     _tell_faults(faults)
     return int(not best.converged or bool(faults))

@@ -9,9 +9,9 @@ from ...mechanism import Objective
 from ...process import make_folder
 from ...quantities import assumptions
 from .._app import app
-from .._common import Common, checked, emit, words_of, write_text
+from .._common import Common, checked, emit, parameters_of, words_of, write_text
 from .._counts import count
-from .._optimised import optimised_text
+from .._optimised import nothing_written, optimised_text
 from .._progress import counted, doing, expect_programs
 from .._tables import terminal_width
 
@@ -45,7 +45,8 @@ def sensitivity(
 
     mechanism = common.load(file)
     expect_programs("_numbers", *(["_compiled_hessian"] if second else []))
-    table = run_sensitivity(mechanism, words_of(quantities), words_of(parameters), second=second)
+    names = parameters_of(mechanism, parameters, "--parameters")
+    table = run_sensitivity(mechanism, words_of(quantities), names, second=second)
     if common.out is not None:
         from ...report import save_figures, sensitivity_bars
 
@@ -95,20 +96,20 @@ def optimise(
         # The key of the file stays where the option is not given.
         avoid_warnings=avoid_warnings or None,
     )
-    path = None
-    if best.feasible or keep_infeasible:
-        folder = Path("out/optimise") if common.out is None else common.out
+    folder = Path("out/optimise") if common.out is None else common.out
+    target = folder / f"{Path(file).stem}-optimised.toml"
+    written = best.feasible or keep_infeasible
+    if written:
         make_folder(folder)
-        path = folder / f"{Path(file).stem}-optimised.toml"
-        write_text(path, optimised_text(file, best))
-    results = best.to_dict() | {"mechanism": path, "valid": best.feasible}
+        write_text(target, optimised_text(file, best))
+        name = "optimised mechanism" if best.feasible else "best design found, which breaks limits"
+        where = f"{name}: {target}"
+    else:
+        reason = "the best design found breaks limits (--keep-infeasible)"
+        where = nothing_written(target, reason, common)
+    results = best.to_dict() | {"mechanism": target if written else None, "valid": best.feasible}
 
     def text() -> str:
-        where = f"optimised mechanism: {path}"
-        if path is None:
-            where = "no file written: the best design found breaks limits (--keep-infeasible)"
-        elif not best.feasible:
-            where = f"best design found, which breaks limits: {path}"
         return f"{best.text(terminal_width())}\n\n{where}"
 
     terms = (*best.problem.objectives, *best.problem.constraints)

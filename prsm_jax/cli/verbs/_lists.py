@@ -44,7 +44,11 @@ def example(
     *,
     output: Output = _DEFAULT,
 ) -> int:
-    """List the shipped examples, or print one as a file to start from; --out writes the file."""
+    """List the shipped examples, or print one as a file to start from.
+
+    With --out FOLDER it is written to FOLDER/NAME.toml; prsm example NAME > my.toml writes it to
+    any file.
+    """
     from ...file import example_names, example_summary, example_text
 
     output.check_targets()

@@ -22,7 +22,7 @@ from ...sweeps import (
     sweep as run_sweep,
 )
 from .._app import app
-from .._common import Common, checked, emit, value_of, words_of
+from .._common import Common, checked, emit, parameters_of, value_of, words_of
 from .._counts import MOST_DESIGNS, count
 from .._progress import Counter, clear, doing, expect_programs
 from .._tables import prose
@@ -98,8 +98,10 @@ def _exported(name: str, folder: Path | None) -> Path:
     return folder / path if folder is not None and os.path.basename(name) == name else path
 
 
-def _listed(counts: dict[str, int]) -> str:
-    return ", ".join(f"{name.replace('_', ' ')} ({count})" for name, count in counts.items())
+def _counted(number: int, state: str, parts: dict[str, int]) -> str:
+    """A number of designs, and how it is composed: `4 failed (no meshing 3, jammed 1)`."""
+    listed = ", ".join(f"{name.replace('_', ' ')} {count}" for name, count in parts.items())
+    return f"{number} {state} ({listed})" if listed else f"{number} {state}"
 
 
 @app.command
@@ -222,7 +224,7 @@ def sweep(
         "plan": plan,
         "points": points,
         "seed": seed,
-        "gradients": words_of(gradients) or [],
+        "gradients": parameters_of(mechanism, gradients, "--gradients", differentiated=True) or [],
         "chunk": chunk,
     }
     with folder_for_results(folder):
@@ -263,13 +265,13 @@ def sweep(
         run_export(data, path, rests_on)
 
     def text() -> str:
-        words = f"{total} designs, {failed} failed"
-        if reasons:
-            words += ": " + _listed(reasons)
+        # No design is counted twice: errors are those of designs that did not fail.
+        counts = [(failed, "failed", reasons)]
         if errors:
-            words += f"; errors of prsm check in {sum(errors.values())} more: {_listed(errors)}"
+            counts.append((sum(errors.values()), "others with errors of prsm check", errors))
         if missing:
-            words += f"; {missing} are not computed yet"
+            counts.append((missing, "not computed yet", {}))
+        words = f"{total} designs: " + ", ".join(_counted(*one) for one in counts)
         return prose(words) + "\n".join(map(str, [store, *files]))
 
     findings = checked(mechanism)

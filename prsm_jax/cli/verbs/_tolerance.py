@@ -9,7 +9,7 @@ from ...mechanism import Mechanism
 from ...quantities import assumptions
 from .._app import app
 from .._common import Common, checked, emit, words_of
-from .._counts import MOST_DESIGNS, count
+from .._counts import MOST_DESIGNS, count, share
 from .._progress import clear, counted, expect_programs
 from .._tables import terminal_width
 
@@ -44,7 +44,7 @@ def tolerance(
     seed: Annotated[int, count(0, help="Seed of Monte Carlo.")] = 0,
     wanted_yield: Annotated[
         float | None,
-        Parameter(help="Find the tolerances of least cost for this share, such as 0.99."),
+        share("Find the tolerances of least cost for this share, such as 0.99."),
     ] = None,
     common: Common = _DEFAULT,
 ) -> int:

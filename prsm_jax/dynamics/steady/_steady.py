@@ -114,7 +114,8 @@ def steady_state(
     by stage from the load, and the efficiency is `F_n Σ L / (2π M)`, or its inverse when the load
     drives. Where the nut has grooves the load drives the carriers as well, and their speed, with it
     the travel per turn, depends on friction. Where rollers slide in the nut too, their own rotation
-    is a second unknown. At speed 0 the slip direction is that of impending motion.
+    is a second unknown. At speed 0 the slip direction is that of impending motion: torque and
+    efficiency are those of slow turning in their limit, and not the torque that holds the load.
 
     A negative load is carried by the opposite flanks.
 

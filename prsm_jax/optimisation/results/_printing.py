@@ -101,14 +101,42 @@ def _trial_line(one: Any, best: Any) -> str:
     return f"{', '.join(chosen)}: {one.status}: {one.message}"
 
 
+def against_limit(name: str, unit: str, value: float, limit: float) -> str:
+    """A quantity and the limit that it breaks, in an engineer's unit."""
+    shown = display_unit(unit, [value, limit], name)
+    numbers = f"{shown(value):.6g} against a limit of {shown(limit):.6g}"
+    return f"{name} = {numbers} {shown.label}".rstrip()
+
+
+#: A limit that is broken by less, relative to itself, is reached.
+_ROUNDING = 1e-6
+
+
+def _broken_at_start(best: Any) -> Iterator[str]:
+    """The limits of the problem that the start breaks; its errors of `check` are findings."""
+    for report in best.constraints if best.start.usable else ():
+        value = best.start.constraints[report.name]
+        lower, upper = (
+            limit if report.equal is None else report.equal
+            for limit in (report.lower, report.upper)
+        )
+        for limit, sign in ((lower, 1.0), (upper, -1.0)):
+            if limit is not None and sign * (limit - value) > _ROUNDING * (abs(limit) or 1.0):
+                yield against_limit(report.name, report.unit, value, limit)
+
+
 def _finding_lines(best: Any) -> Iterator[str]:
     """Errors of start and optimum, and the warnings that only the optimum has, a line each.
+
+    The limits of the problem that the start breaks are one line.
 
     Other warnings are those of the file, known from `prsm check`: their names and numbers.
     """
     start, end = best.findings_start, best.findings_optimum
     known = {(f.name, f.stage) for f in start}
     yield from _of_design("start", "warnings", start, known)
+    if broken := list(_broken_at_start(best)):
+        yield f"limits of the optimisation that the start breaks: {'; '.join(broken)}"
     yield from _of_design(_final_name(best), "warnings as at the start", end, known)
     caused = [f for f in end if f.severity == "warning" and (f.name, f.stage) not in known]
     if caused and best.feasible and not best.problem.avoid_warnings:

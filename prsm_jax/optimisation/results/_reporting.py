@@ -6,10 +6,10 @@ from ...findings import check
 from ...geometry import Finding
 from ...mechanism import DesignProblem, Mechanism, find_parameters, set_parameters
 from ...quantities import find_quantity
-from ...text import display_unit
 from .._optimality import Optimality
 from ..search import Evaluator, Point
 from ._optimum import ConstraintReport, Design, Optimum, Run
+from ._printing import against_limit
 
 
 class Reporter:
@@ -116,14 +116,6 @@ def constraint_reports(
     return tuple(reports)
 
 
-def _broken(report: ConstraintReport) -> str:
-    shown = display_unit(report.unit, [report.value, report.limit], report.name)
-    return (
-        f"{report.name} = {shown(report.value):.6g} against a limit of "
-        f"{shown(report.limit):.6g} {shown.label}".rstrip()
-    )
-
-
 def _findings(
     mechanism: Mechanism, optimised: Mechanism, present: dict[str, float]
 ) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
@@ -174,7 +166,9 @@ def optimum_of(
         named = ", ".join(dict.fromkeys(row.label for row, _ in fixed))
         message = f"no feasible design found: none of the variables changes the error {named}"
     elif not feasible:
-        broken = "; ".join(_broken(r) for r in reports if not r.satisfied)
+        broken = "; ".join(
+            against_limit(r.name, r.unit, r.value, r.limit) for r in reports if not r.satisfied
+        )
         message = f"no feasible design found; the design of least violation has {broken}"
     elif converged:
         message = f"KKT residual {residual:.1e} <= {tolerance:.1e}"

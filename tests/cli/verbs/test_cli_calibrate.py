@@ -1,5 +1,7 @@
 """The verb that fits parameters to measurements, from a file to a file."""
 
+import dataclasses
+
 import pytest
 
 from prsm_jax import file
@@ -22,10 +24,42 @@ def test_calibrate_writes_a_file_with_the_fitted_number(prsm_json, tmp_path):
     law = file.loads(text).stages[0].friction.thread
     assert isinstance(law, CoulombFriction)
     assert float(law.coefficient) == pytest.approx(one["value"], rel=1e-5)
+    head, _, rest = text.partition("\n\n")
+    assert head == (
+        "# Changed by prsm calibrate: stage.friction.thread.coefficient.\n"
+        "# The comments of the changed lines were removed; other comments may describe the former "
+        "numbers."
+    )
     before = file.example_text("wu2022").splitlines()
-    changed = [a for a, b in zip(before, text.splitlines(), strict=True) if a != b]
-    assert [line.split()[0] for line in changed] == ["coefficient"]
+    changed = [(a, b) for a, b in zip(before, rest.splitlines(), strict=True) if a != b]
+    assert [b.split()[0] for _, b in changed] == ["coefficient"]
+    assert "#" not in changed[0][1]
     assert (tmp_path / "new" / "calibration.png").exists()
+
+
+def test_a_fit_that_fails_names_the_file_of_an_earlier_run(prsm, monkeypatch, tmp_path):
+    from prsm_jax import calibration
+
+    real = calibration.calibrate
+
+    def fails(*given, **more):
+        return dataclasses.replace(real(*given, **more), converged=False)
+
+    monkeypatch.setattr(calibration, "calibrate", fails)
+    folder = tmp_path / "new"
+    words = ("calibrate", "wu2022", "--data", "wu2022_torque", "--out", folder)
+    status, out, _ = prsm(*words)
+    assert status == 1
+    assert "no file written: the fit did not converge" in out
+    assert "earlier run" not in out
+    assert not folder.exists()
+    folder.mkdir()
+    path = folder / "wu2022-calibrated.toml"
+    path.write_text("old", encoding="utf-8")
+    status, out, _ = prsm(*words)
+    assert status == 1
+    assert f"{path} is of an earlier run" in out.splitlines()
+    assert path.read_text(encoding="utf-8") == "old"
 
 
 def test_bounds_and_deviations_from_the_command_line(prsm_json):

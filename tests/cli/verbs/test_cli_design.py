@@ -102,13 +102,20 @@ def test_optimise_writes_a_file_that_gives_the_same_numbers(prsm_json, tmp_path)
     }
     assert results["converged"]
     text = Path(results["mechanism"]).read_text()
-    # The numbers are rounded, by no more than 1e-6 of any of these.
-    comments = [
+    assert text.startswith(
+        "# Changed by prsm optimise: stage.thread.lead, stage.thread.roller_profile_radius.\n"
+        "# The comments of the changed lines were removed; other comments may describe the former "
+        "numbers.\n\n# A screw of which little is known.\n"
+    )
+    # The comment that described the former lead is gone, the others stay.
+    comments, before = (
         [line.partition("#")[2] for line in one.splitlines() if "#" in line]
         for one in (text, SMALL)
-    ]
-    assert comments[0] == comments[1]
-    assert len(comments[0]) > 5
+    )
+    before.remove(" pitch 2 mm")
+    assert comments[2:] == before
+    assert len(before) > 5
+    # The numbers are rounded, by no more than 1e-6 of any of these.
     again = file.load(results["mechanism"])
     for name, value in results["optimum"]["variables"].items():
         assert float(prsm_jax.get_parameter(again, name)) == pytest.approx(value, rel=1e-5)
@@ -178,6 +185,32 @@ def test_the_optimum_is_at_limits_that_are_named(optimum):
     assert not best.bounds_active
     json.dumps(best.to_dict(), allow_nan=False)
     assert best.optimum.objective > best.start.objective
+
+
+def test_margins_of_dimensions_have_the_units_of_their_numbers(optimum):
+    _, best = optimum
+    given = {one.name: (one.value, one.unit) for one in best.margins}
+    at = best.optimum.variables
+    for name, value, unit in (
+        ("lead", at["lead"], "m"),
+        ("roller_radius", at["roller_radius"], "m"),
+        ("contact_angle", min(at["contact_angle"], np.pi / 2 - at["contact_angle"]), "rad"),
+        ("roller_profile_radius", at["roller_profile_radius"], "m"),
+    ):
+        assert given[f"dimension of {name} (stage 1)"] == (pytest.approx(value, rel=1e-12), unit)
+
+
+def test_the_example_breaks_four_limits_as_its_comment_says(optimum):
+    _, best = optimum
+    (line,) = (one for one in str(best).splitlines() if "start breaks" in one)
+    named = line.partition(": ")[2].split("; ")
+    assert [one.partition(" = ")[0] for one in named] == [
+        "max_pressure_shared",
+        "first_axial_frequency",
+        "nut_axial_stiffness_secant",
+        "nut_outer_diameter",
+    ]
+    assert named[3] == "nut_outer_diameter = 60 against a limit of 58 mm"
 
 
 def test_brute_force_finds_nothing_better(optimum):

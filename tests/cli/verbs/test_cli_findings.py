@@ -201,10 +201,21 @@ def test_an_infeasible_optimisation_says_so_and_writes_nothing(prsm, contradicti
     results = json.loads(out)
     assert (status, results["feasible"], results["valid"]) == (1, False, False)
     assert results["mechanism"] is None
+    assert "earlier run" not in out
     status, out, _ = prsm("optimise", contradiction, "--out", folder, "--keep-infeasible")
     assert status == 1
-    assert len(list(folder.glob("*.toml"))) == 1
+    (path,) = folder.glob("*.toml")
     assert "which breaks limits" in out
+    # That file stays beside later results, which name it.
+    before = path.read_bytes()
+    status, out, err = prsm("optimise", contradiction, "--out", folder)
+    assert f"{path} is of an earlier run" in out.splitlines()
+    assert "earlier run" not in err
+    status, out, err = prsm("optimise", contradiction, "--out", folder, "--json", "-")
+    assert json.loads(out)["mechanism"] is None
+    assert f"no file written: the best design found breaks limits (--keep-infeasible); {path} is " \
+        "of an earlier run" in err
+    assert path.read_bytes() == before
 
 
 def test_a_failed_design_of_a_sweep_has_a_reason(prsm_json, tmp_path):

@@ -481,6 +481,26 @@ def test_variables_beside_each_other_are_not_said_to_follow():
     assert "contact_angle" in profile.stays
 
 
+def test_the_limits_that_the_start_breaks_are_named():
+    """With value and limit, in an engineer's units; a limit that is reached is not broken."""
+    best = make_optimum(scenes.mechanism())
+
+    def lines(pressure, mass):
+        constraints = {"max_pressure": pressure, "mass": mass}
+        start = dataclasses.replace(best.start, constraints=constraints)
+        text = str(dataclasses.replace(best, start=start))
+        return [line for line in text.splitlines() if "start breaks" in line]
+
+    said = "limits of the optimisation that the start breaks: "
+    assert lines(3.1e9, 1.11) == lines(3.1e9 * (1 + 1e-8), 2.22) == []
+    assert lines(3.3e9, 1.5) == [said + "max_pressure = 3300 against a limit of 3100 MPa"]
+    assert lines(3.0e9, 1.0) == [said + "mass = 1 against a limit of 1.11 kg"]
+    assert lines(3.2e9, 2.5) == [
+        said + "max_pressure = 3200 against a limit of 3100 MPa; mass = 2.5 against a limit of "
+        "2.22 kg"
+    ]
+
+
 def test_the_terminal_tells_the_state_of_a_locked_thread(run, monkeypatch):
     """A jammed start has no efficiency in the table of the optimisation, nor in sensitivities."""
     import dataclasses
@@ -567,8 +587,8 @@ def test_sweep(run, monkeypatch, tmp_path):
     np.testing.assert_allclose(axes["lead"], to_si([5, 10, 15], "mm"))
     np.testing.assert_allclose(axes["contact_angle"], to_si([30, 45], "deg"))
     assert " ".join(printed.lines[0]) == (
-        "21 designs, 4 failed: overlapping rollers (3), no meshing (1); errors of prsm check in 5 "
-        "more: backlash (3), static safety (2)"
+        "21 designs: 4 failed (overlapping rollers 3, no meshing 1), 5 others with errors of prsm "
+        "check (backlash 3, static safety 2)"
     )
 
 
