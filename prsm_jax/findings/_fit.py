@@ -78,9 +78,8 @@ def _dimensions(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             index + 1,
             lambda a, name=name: dimension_margins(a.mechanism.stages[index].thread)[name],
             (("error", 0.0),),
-            lambda r, name=name, unit=unit: (
-                f"stage.thread.{name} is {r.details['given']:.6g}"
-                f"{'' if unit == '1' else f' {unit}'}; it must be "
+            lambda r, name=name, after="" if unit == "1" else f" {unit}": (
+                f"stage.thread.{name} is {r.details['given']:.6g}{after}; it must be "
                 f"{_words(r.mechanism.stages[index], name)}: such a thread cannot exist"
             ),
             unit=unit,

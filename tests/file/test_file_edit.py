@@ -106,9 +106,7 @@ def test_a_changed_line_loses_its_comment_and_the_head_names_it():
 
 
 def test_rows_and_tables_in_one_line_lose_their_comments():
-    text = (
-        COMMENTED.replace('"12 kN"          # gusts', '"13 kN"').replace("5 um", "6 um")
-    )
+    text = COMMENTED.replace('"12 kN"          # gusts', '"13 kN"').replace("5 um", "6 um")
     edited = edit(COMMENTED, file.loads(text), by="it")
     assert edited.startswith("# Changed by it: duty_cycle.2.load, tolerances.lead.")
     assert "gusts" not in edited
@@ -121,8 +119,7 @@ def test_a_file_written_anew_says_that_its_comments_are_gone(monkeypatch):
     mechanism = apply_settings(file.loads(COMMENTED), ["lead=11.25 mm"])
     assert edit(COMMENTED, mechanism, by="it") == (
         "# Changed by it: stage.thread.lead.\n"
-        "# The file was written anew, without the comments that it had.\n\n"
-        + file.dumps(mechanism)
+        "# The file was written anew, without the comments that it had.\n\n" + file.dumps(mechanism)
     )
 
 

@@ -264,12 +264,13 @@ def test_names_of_dimensions_are_those_of_their_margins(name):
         assert dimension_names(one) == tuple(dimension_margins(one))
 
 
-@pytest.mark.parametrize("name", ["actuator", "wu2022", "lisowski2014", "differential_stage"])
-def test_margins_of_dimensions_have_the_units_of_their_numbers(name):
+@pytest.mark.parametrize("example", ["actuator", "wu2022", "lisowski2014", "differential_stage"])
+def test_margins_of_dimensions_have_the_units_of_their_numbers(example):
     """A unit of a margin that is not that of its number would be read as another value."""
-    mechanism = prsm.load(name)
+    mechanism = prsm.load(example)
     dimensions = [one for one in prsm.findings.margins_of(mechanism) if one.name == "dimension"]
     assert len(dimensions) >= 4
     for one in dimensions:
-        (number,) = prsm.mechanism.find_parameters(mechanism, f"stage.{one.stage}.thread.{one.subject}")
+        name = f"stage.{one.stage}.thread.{one.subject}"
+        (number,) = prsm.mechanism.find_parameters(mechanism, name)
         assert (one.subject, one.unit) == (one.subject, number.unit)

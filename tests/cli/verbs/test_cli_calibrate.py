@@ -43,7 +43,7 @@ def test_a_fit_that_fails_names_the_file_of_an_earlier_run(prsm, monkeypatch, tm
     real = calibration.calibrate
 
     def fails(*given, **more):
-        return dataclasses.replace(real(*given, **more), converged=False)
+        return dataclasses.replace(real(*given, **more), code="not_converged")
 
     monkeypatch.setattr(calibration, "calibrate", fails)
     folder = tmp_path / "new"

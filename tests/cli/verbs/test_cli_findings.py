@@ -213,8 +213,10 @@ def test_an_infeasible_optimisation_says_so_and_writes_nothing(prsm, contradicti
     assert "earlier run" not in err
     status, out, err = prsm("optimise", contradiction, "--out", folder, "--json", "-")
     assert json.loads(out)["mechanism"] is None
-    assert f"no file written: the best design found breaks limits (--keep-infeasible); {path} is " \
+    assert (
+        f"no file written: the best design found breaks limits (--keep-infeasible); {path} is "
         "of an earlier run" in err
+    )
     assert path.read_bytes() == before
 
 
