@@ -41,9 +41,12 @@ def test_a_fit_that_fails_names_the_file_of_an_earlier_run(prsm, monkeypatch, tm
     from prsm_jax import calibration
 
     real = calibration.calibrate
+    fits: list[calibration.Calibration] = []
 
     def fails(*given, **more):
-        return dataclasses.replace(real(*given, **more), code="not_converged")
+        if not fits:
+            fits.append(dataclasses.replace(real(*given, **more), code="not_converged"))
+        return fits[0]
 
     monkeypatch.setattr(calibration, "calibrate", fails)
     folder = tmp_path / "new"

@@ -693,6 +693,8 @@ def test_demo(monkeypatch, tmp_path, capsys, feasible):
     monkeypatch.setattr(report, "write_report", write)
     monkeypatch.setenv("COLUMNS", "300")
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "new").mkdir()
+    (tmp_path / "new" / "optimised.toml").write_text("old", encoding="utf-8")
     assert cli.main(["demo", "--out", str(tmp_path / "new")]) == int(not feasible)
     assert set(asked["quantities"]) > {"dynamic_capacity", "rating_life_time", "buckling_safety"}
     assert ("optimised.toml" in written["files"]) == feasible
@@ -719,7 +721,9 @@ def test_demo(monkeypatch, tmp_path, capsys, feasible):
     assert written["sensitivity"] is table
     assert written["optimisation"].quantities[0].after == pytest.approx(0.8791)
     first, second = capsys.readouterr().out.split("] optimising")
-    assert ("optimised.toml" in second) == feasible
+    assert (f"  {tmp_path / 'new' / 'optimised.toml'}" in second.splitlines()) == feasible
+    earlier = f"{tmp_path / 'new' / 'optimised.toml'} is of an earlier run"
+    assert (earlier in second.splitlines()) == (not feasible)
     if not feasible:
         # The first line of the optimisation, and the head of its column.
         lines = second.splitlines()
