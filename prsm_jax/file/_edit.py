@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Iterator, Mapping, MutableMapping
-from typing import Any
+from typing import Any, TypeGuard
 
 from .._errors import FileError, missing_extra
 from ..mechanism import Mechanism
@@ -112,7 +112,7 @@ def _change(
             continue
         if isinstance(value, dict) and isinstance(old, dict):
             _change(document[key], old, value)
-        elif old is not None and _tables(value) and _tables(old) and len(value) == len(old):
+        elif _tables(value) and _tables(old) and len(value) == len(old):
             for index, (was, is_now) in enumerate(zip(old, value, strict=True)):
                 if was != is_now:
                     _change(document[key][index], was, is_now)
@@ -133,5 +133,5 @@ def _drop_comment(item: Any) -> None:
         item.trivia.comment_ws = item.trivia.comment = ""
 
 
-def _tables(value: Any) -> bool:
+def _tables(value: Any) -> TypeGuard[list[dict[str, Any]]]:
     return isinstance(value, list) and bool(value) and all(isinstance(x, dict) for x in value)
