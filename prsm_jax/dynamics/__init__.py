@@ -25,8 +25,10 @@ from .histories import (
     SolverReport as SolverReport,
     Transient as Transient,
     energy as energy,
+    error_in_words as error_in_words,
     integral as integral,
     mean_efficiency as mean_efficiency,
+    neglected_inertia as neglected_inertia,
     peak as peak,
     settling_time as settling_time,
 )

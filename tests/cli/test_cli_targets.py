@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from scipy.integrate import simpson
 
 import prsm_jax
 from prsm_jax import file
@@ -180,7 +181,37 @@ def test_a_mission_in_numbers(prsm_json, prsm):
     assert rows["peak drive torque"] == [f"{summary['peak_drive_torque_nm']:.6g}", "N·m"]
     efficiency = f"{100 * summary['mission_efficiency']:.6g}"
     assert rows["efficiency over the mission"] == [efficiency, "%"]
+    # The energies that are printed give the efficiency that is printed. 10 mm of lead.
+    power = torque * speed
+    taken = np.asarray(results["load_n"]) * speed * 0.01 / (2 * np.pi)
+    for words, one in (
+        ("energy supplied by the drive", np.maximum(power, 0)),
+        ("energy taken back by the drive", np.maximum(-power, 0)),
+        ("net energy from the drive", power),
+        ("energy taken by the load", np.maximum(taken, 0)),
+        ("energy given back by the load", np.maximum(-taken, 0)),
+        ("net energy to the load", taken),
+    ):
+        value, unit = rows[words]
+        assert unit == "J"
+        assert float(value) == pytest.approx(simpson(one, x=results["time_s"]), rel=1e-5)
+    ways = ("supplied by the drive", "taken back by the drive", "taken by the load")
+    supplied, back, taken, returned = (
+        float(rows[f"energy {way}"][0]) for way in (*ways, "given back by the load")
+    )
+    ratio = (taken + back) / (supplied + returned)
+    assert 100 * ratio == pytest.approx(float(efficiency), rel=1e-5)
+    said = " ".join(out.split())
+    assert "both directions counted" in said
+    assert f"has to supply {rows['energy supplied by the drive'][0]} J" in said
     assert "start" not in out
+    # What is uncertain, by how much, and when.
+    assert results["solver"]["error_estimate"] == pytest.approx(0.836, abs=5e-4)
+    assert results["solver"]["error_time_s"] == pytest.approx(0.7, abs=1e-9)
+    (stated,) = (one for one in results["assumptions"] if "in balance" in one)
+    words = "carrier speed uncertain by up to 84 % of the highest screw speed at t = 0.700 s"
+    assert words in stated
+    assert words in said
 
 
 def test_a_mission_without_power_has_no_efficiency(prsm, prsm_json):
@@ -206,7 +237,7 @@ def test_a_torque_at_standstill_is_said_to_be_without_friction(prsm):
     _, out, _ = prsm("simulate", "wu2022", "--set", "speed=0 rpm")
     assert re.search(rf"peak drive torque +{7e3 * 10e-3 / (2 * np.pi):.6g} ", out)
     words = "The screw stands still: torques are those that hold the load without thread friction"
-    assert words in " ".join(out.split())
+    assert words in said
     _, out, _ = prsm("simulate", "wu2022")
     assert "stands still" not in out
 

@@ -539,10 +539,25 @@ def test_transient(sections, data):
         "largest magnitude of the drive torque": (np.abs(torque).max(), "N·m"),
         "drive torque at the end": (torque[-1], "N·m"),
         "solver": "Kvaerno5, 50 steps",
+        "estimated error": "carrier speed uncertain by up to 2.7·10⁻⁵ % of the highest screw speed",
     }
     assert set(found) >= set(expected)
     for name, value in expected.items():
         assert_cell(found[name], value)
+
+
+def test_an_uncertain_transient_is_an_assumption(data):
+    """An estimate of 30 % beside the table, and as a sentence beneath it."""
+    estimate = jnp.zeros(81).at[40].set(0.3)
+    report = dataclasses.replace(
+        data.transient.solver, error_estimate=estimate.max(), error_over_time=estimate
+    )
+    run = dataclasses.replace(data.transient, solver=report)
+    sections = report_sections(dataclasses.replace(data, transient=run))
+    section = next(s for s in sections if s.anchor == "transient")
+    words = "carrier speed uncertain by up to 30 % of the highest screw speed at t = 1.00 ms"
+    assert dict(section.tables[0].rows)["estimated error"] == words
+    assert words in section.assumptions[-1]
 
 
 @reads("section", "strength_section")

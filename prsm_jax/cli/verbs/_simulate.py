@@ -13,8 +13,10 @@ from ...dynamics import (
     Transient,
     default_scenario,
     energy,
+    error_in_words,
     integral,
     mean_efficiency,
+    neglected_inertia,
     simulate as run_transient,
 )
 from ...mechanism import Mechanism
@@ -27,6 +29,8 @@ from .._progress import doing, expect_programs
 from .._tables import Line, in_units, prose, table
 
 _DEFAULT = Common()
+#: Share of all energy that flows below which a direction counts as absent: rounding.
+_NOTHING = 1e-6
 
 
 def _transient(
@@ -74,6 +78,7 @@ def transient_results(run: Transient) -> dict[str, Any]:
             "rejected": int(run.solver.rejected),
             "result": run.solver.result,
             "error_estimate": _number_or_none(run.solver.error_estimate),
+            "error_time_s": _error_time(run),
             "time_constant_s": _number_or_none(run.solver.time_constant),
         },
     }
@@ -92,6 +97,14 @@ def transient_results(run: Transient) -> dict[str, Any]:
             if end > start
         ]
     return results
+
+
+def _error_time(run: Transient) -> float | None:
+    """Time of the largest estimated error [s]; `None` where no sample has one above 0."""
+    history = run.solver.error_over_time
+    if history is None or not np.any(np.asarray(history) > 0):
+        return None
+    return float(run.time[int(np.argmax(np.asarray(history)))])
 
 
 def _number_or_none(value: Any) -> float | None:
@@ -117,6 +130,10 @@ def _numbers(run: Transient) -> dict[str, Any]:
         "load_energy_j": energy(run, "load") if known else None,
         "loss_energy_j": energy(run, "loss"),
         "mission_efficiency": mean_efficiency(run) if known else None,
+        "energy_from_drive_j": energy(run, "from_drive"),
+        "energy_to_drive_j": energy(run, "to_drive"),
+        "energy_to_load_j": energy(run, "to_load") if known else None,
+        "energy_from_load_j": energy(run, "from_load") if known else None,
     }
 
 
@@ -141,11 +158,61 @@ def _mission(run: Transient, summary: dict[str, Any], turning: str) -> list[Line
         ("peak drive power", summary["peak_drive_power_w"], "W"),
         (f"peak {turning} speed", summary["peak_screw_speed_rad_per_s"], "rad/s"),
         ("largest contact force", summary["peak_contact_force_n"], "N"),
-        ("energy from the drive", summary["drive_energy_j"], "J"),
-        ("energy to the load", summary["load_energy_j"], "J"),
+        *_energies(summary),
         ("energy lost", summary["loss_energy_j"], "J"),
         ("efficiency over the mission", efficiency, "1", "efficiency"),
     ]
+
+
+def _both_ways(summary: dict[str, Any], end: str) -> bool:
+    """Whether energy flows in both directions at an end, more than rounding."""
+    ways = [summary[f"energy_{way}_{end}_j"] for way in ("from", "to")]
+    total = sum(
+        float(summary[f"energy_{way}_{at}_j"] or 0.0)
+        for way in ("from", "to")
+        for at in ("drive", "load")
+    )
+    return all(one is not None and float(one) > _NOTHING * total for one in ways)
+
+
+def _energies(summary: dict[str, Any]) -> list[Line]:
+    """Energies at drive and load: one line where they flow in one direction, or their parts."""
+    rows: list[Line] = []
+    if _both_ways(summary, "drive"):
+        rows += [
+            ("energy supplied by the drive", summary["energy_from_drive_j"], "J"),
+            ("energy taken back by the drive", summary["energy_to_drive_j"], "J"),
+            ("net energy from the drive", summary["drive_energy_j"], "J"),
+        ]
+    else:
+        rows.append(("energy from the drive", summary["drive_energy_j"], "J"))
+    if _both_ways(summary, "load"):
+        rows += [
+            ("energy taken by the load", summary["energy_to_load_j"], "J"),
+            ("energy given back by the load", summary["energy_from_load_j"], "J"),
+            ("net energy to the load", summary["load_energy_j"], "J"),
+        ]
+    else:
+        rows.append(("energy to the load", summary["load_energy_j"], "J"))
+    return rows
+
+
+def _efficiency_in_words(summary: dict[str, Any]) -> str:
+    """Definition of the efficiency with its numbers; empty where energy flows in one direction."""
+    back, load_back = _both_ways(summary, "drive"), _both_ways(summary, "load")
+    if not (back or load_back) or summary["mission_efficiency"] is None:
+        return ""
+    from_drive, to_drive, to_load, from_load = (
+        f"{float(summary[f'energy_{name}_j']):.6g}"
+        for name in ("from_drive", "to_drive", "to_load", "from_load")
+    )
+    words = (
+        "Efficiency over the mission: energy put out over energy put in, both directions counted: "
+        f"({to_load} + {to_drive}) / ({from_drive} + {from_load})."
+    )
+    if back:
+        words += f" A drive that cannot take energy back has to supply {from_drive} J."
+    return words
 
 
 @app.command
@@ -179,6 +246,7 @@ def simulate(
     expect_programs("_transient", "_numbers")
     run = _transient(mechanism, method, samples, rtol, atol, max_steps)
     results = transient_results(run)
+    turning = mechanism.stages[0].thread.family.turning
     pictures: tuple[Path, ...] = ()
     if common.out is not None:
         from ...report import save_transient_pictures
@@ -188,12 +256,12 @@ def simulate(
         results["pictures"] = list(pictures)
 
     def text() -> str:
-        turning = mechanism.stages[0].thread.family.turning
         mission = in_units(_mission(run, results["summary"], turning))
         words = table(f"Transient: {file}", ("", "", ""), mission)
         if _moves_at_an_end(run):
             words += table("", ("", "start", "end"), _ends(run))
-        words += prose(_solver(results["solver"]))
+        words += prose(_efficiency_in_words(results["summary"]))
+        words += prose(_solver(results["solver"], error_in_words(run, turning)))
         if run.sticking is None and not np.any(np.asarray(run.screw_speed)):
             words += prose(
                 f"The {turning} stands still: torques are those that hold the load without thread "
@@ -202,7 +270,7 @@ def simulate(
         return words + (f"{len(pictures)} pictures in {common.out}" if pictures else "")
 
     results["valid"] = bool(run.solver.code == 0)
-    rests_on = assumptions(mechanism, TRANSIENT)
+    rests_on = (*assumptions(mechanism, TRANSIENT), *neglected_inertia(run, turning))
     return int(not emit(common, results, text, rests_on, checked(mechanism)))
 
 
@@ -225,12 +293,10 @@ def _ends(run: Transient) -> list[tuple[str, float | None, float | None]]:
     return rows
 
 
-def _solver(solver: dict[str, Any]) -> str:
+def _solver(solver: dict[str, Any], error: str | None) -> str:
     """Summary of the integration; a closed form has no steps."""
     words = solver["name"]
     if solver["steps"]:
         words += f": {solver['steps']} steps, {solver['rejected']} rejected"
     words = f"{words}, {solver['result']}"
-    if solver["error_estimate"] is not None:
-        words += f"; estimated error about {solver['error_estimate']:.1g}"
-    return words
+    return words if error is None else f"{words}; {error}"

@@ -24,3 +24,7 @@ from ._transient_result import (
     rows_of as rows_of,
     transient_of as transient_of,
 )
+from ._uncertainty import (
+    error_in_words as error_in_words,
+    neglected_inertia as neglected_inertia,
+)

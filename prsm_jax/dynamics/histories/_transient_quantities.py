@@ -146,15 +146,30 @@ def energy(run: Transient, of: str = "drive") -> Scalar:
     **Arguments:**
 
     - `run`: the transient.
-    - `of`: `"drive"`, input at the first screw; `"load"`, output at the last nut; `"loss"`, all
-      losses together; or the name of one of them (`run.losses`).
+    - `of`: `"drive"`, net input at the first screw; `"load"`, net output at the last nut; `"loss"`,
+      all losses together; or the name of one of them (`run.losses`). The parts of the net energies
+      are all positive: `"from_drive"` is what the drive supplies and `"to_drive"` what it takes
+      back while it brakes, `"to_load"` is what the load takes and `"from_load"` what it gives back
+      while it drives: `drive = from_drive − to_drive`, `load = to_load − from_load`.
 
     **Raises:** `UnknownNameError` for an unknown name.
     """
     return integral(run.time, _power(run, of))
 
 
+#: Of which net power each direction is a part, and its sign in it.
+_DIRECTIONS = {
+    "from_drive": ("drive", 1.0),
+    "to_drive": ("drive", -1.0),
+    "to_load": ("load", 1.0),
+    "from_load": ("load", -1.0),
+}
+
+
 def _power(run: Transient, of: str) -> Float[Array, " times"]:
+    if of in _DIRECTIONS:
+        net, sign = _DIRECTIONS[of]
+        return jnp.maximum(sign * _power(run, net), 0.0)
     if of == "drive":
         return run.drive_torque * run.screw_speed
     if of == "load":
@@ -163,7 +178,7 @@ def _power(run: Transient, of: str) -> Float[Array, " times"]:
     if of == "loss":
         return sum(run.losses.values(), jnp.zeros_like(run.screw_speed))
     if of not in run.losses:
-        names = ("drive", "load", "loss", *run.losses)
+        names = ("drive", "load", "loss", *_DIRECTIONS, *run.losses)
         raise UnknownNameError(f"unknown energy {of!r}; {closest(of, names)}")
     return run.losses[of]
 
@@ -174,11 +189,12 @@ def mean_efficiency(run: Transient) -> Scalar:
     """Output energy over input energy of the whole transient.
 
     Drive and load may each supply and absorb power: what they supply is input, what they absorb is
-    output. A stroke out and back counts in both directions.
+    output, so that both directions count: `(to_load + to_drive) / (from_drive + from_load)`, the
+    energies as `energy` names them. It is not the ratio of the net energies, `load / drive`,
+    which is 0 where a load is lifted and lowered again. 0 without input.
     """
-    drive, load = _power(run, "drive"), _power(run, "load")
-    supplied = jnp.maximum(drive, 0.0) + jnp.maximum(-load, 0.0)
-    absorbed = jnp.maximum(load, 0.0) + jnp.maximum(-drive, 0.0)
+    supplied = _power(run, "from_drive") + _power(run, "from_load")
+    absorbed = _power(run, "to_load") + _power(run, "to_drive")
     input_energy = integral(run.time, supplied)
     positive = above_or_nan(input_energy)
     return jnp.where(

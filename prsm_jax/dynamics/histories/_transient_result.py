@@ -74,6 +74,10 @@ class SolverReport(DesignResult):
     error_estimate: Annotated[Scalar | None, In("1")] = None
     #: Longest time constant in which carriers settle, where the method neglects settling [s].
     time_constant: Annotated[Scalar | None, In("s")] = None
+    #: The estimate of the carrier speeds at each sample time, whose largest is `error_estimate`.
+    #: Just before and after a reversal of the load a sample may err by more than its own estimate.
+    #: `None` under a prescribed torque, and if no terms are neglected.
+    error_over_time: Annotated[Float[Array, " times"] | None, In("1")] = None
 
     @property
     def batch_shape(self) -> tuple[int, ...]:

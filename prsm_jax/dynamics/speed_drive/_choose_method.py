@@ -42,8 +42,9 @@ def choose_method(
     1. Constant speed and load with Coulomb friction: the closed form, unless a torque or a load
        changes its sign while the carriers settle.
     2. Varying speed or load: quasi-steady, if the carriers settle between two samples and the
-       estimated error of the neglected terms stays below 10 rtol; or if friction that jumps at
-       standstill is reversed there, which no integrator passes cleanly.
+       estimated error of the neglected terms stays below 10 rtol; or, whatever the estimated error,
+       if the screw passes a standstill at which thread friction jumps, because no integrator passes
+       it cleanly. The reason says which of the two, and states the error.
     3. Everything else: RODASP, whether stiff or not (the chart of `benchmarks`, case transient,
        compares it with the explicit and the implicit solver).
 

@@ -239,5 +239,6 @@ def quasi_steady_report(neglected: Neglected) -> SolverReport:
         code=jnp.where(jnp.all(valid), zero, 4),
         name=QuasiSteady.label,
         error_estimate=jax.lax.stop_gradient(jnp.max(error)),
+        error_over_time=jax.lax.stop_gradient(jnp.max(error, axis=-1)),
         time_constant=jax.lax.stop_gradient(jnp.max(lag)),
     )

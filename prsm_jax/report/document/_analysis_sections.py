@@ -6,6 +6,7 @@ from typing import Any, SupportsFloat
 
 import numpy as np
 
+from ...dynamics import error_in_words
 from ...quantities import AXIS_QUANTITIES
 from ...text import display_unit, fixed, in_unit, number, show
 from .._style import readable
@@ -298,10 +299,13 @@ def transient_section(data: ReportData) -> Section | None:
         ("drive torque at the end", show(float(run.drive_torque[-1]), "N·m")),
         ("solver", f"{run.solver.name}, {int(run.solver.steps)} steps"),
     ]
+    turning = data.mechanism.stages[0].thread.family.turning
+    error = error_in_words(run, turning)
+    if error is not None:
+        rows.append(("estimated error", error))
     paragraphs = ("Speed or torque, and load, over the time of the scenario.",)
     pictures = []
     if settling:
-        turning = data.mechanism.stages[0].thread.family.turning
         paragraphs = (
             f"The {turning} runs at full speed from the start and the rollers start from rest, so "
             "the threads slide until the carriers have come up to speed.",

@@ -4,6 +4,7 @@ import dataclasses
 import platform
 
 from ..._version import __version__
+from ...dynamics import neglected_inertia
 from ...explanation import places
 from ...quantities import assumptions, catalogue
 from ...text import printable
@@ -48,7 +49,11 @@ def with_assumptions(section: Section, data: ReportData) -> Section:
     names = [name for name in _shown(section, data) if name.partition("[")[0] in known]
     if section.anchor == "summary" and data.contacts is None:
         names.remove("max_pressure")
-    return dataclasses.replace(section, assumptions=assumptions(data.mechanism, names))
+    stated = assumptions(data.mechanism, names)
+    if section.anchor == "transient" and data.transient is not None:
+        turning = data.mechanism.stages[0].thread.family.turning
+        stated = (*stated, *neglected_inertia(data.transient, turning))
+    return dataclasses.replace(section, assumptions=stated)
 
 
 def left_out_section(data: ReportData) -> Section:

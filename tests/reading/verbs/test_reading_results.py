@@ -244,8 +244,8 @@ _UNITS = {
         "stiffness stiffness_tangent tangent_stiffness"
     ),
     "1": (
-        "at_pole carrier_ratio converged edge_ratio efficiency error_estimate friction_coefficient "
-        "iterations "
+        "at_pole carrier_ratio converged edge_ratio efficiency error_estimate error_over_time "
+        "friction_coefficient iterations "
         "loaded_share lobes normal_per_axial order parabola_fit power_balance_residual rejected "
         "residual revolutions sliding solved steps"
     ),

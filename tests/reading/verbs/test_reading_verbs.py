@@ -219,6 +219,24 @@ def test_steady_of_an_inverted_screw_names_the_nut(run, monkeypatch):
     printed.line(words, state.contact_force[0], "N")
 
 
+#: Directions of energy in the JSON, and lines for energy in one direction or in both.
+_WAYS = ("from_drive", "to_drive", "to_load", "from_load")
+_BOTH_WAYS = {
+    False: (
+        ("energy from the drive", "drive_energy_j", "J"),
+        ("energy to the load", "load_energy_j", "J"),
+    ),
+    True: (
+        ("energy supplied by the drive", "energy_from_drive_j", "J"),
+        ("energy taken back by the drive", "energy_to_drive_j", "J"),
+        ("net energy from the drive", "drive_energy_j", "J"),
+        ("energy taken by the load", "energy_to_load_j", "J"),
+        ("energy given back by the load", "energy_from_load_j", "J"),
+        ("net energy to the load", "load_energy_j", "J"),
+    ),
+}
+
+
 @reads("verb", "simulate")
 @pytest.mark.parametrize("to_and_fro", [False, True])
 def test_simulate(run, monkeypatch, to_and_fro):
@@ -243,6 +261,10 @@ def test_simulate(run, monkeypatch, to_and_fro):
         "load_energy_j": simpson(taken, x=time),
         "loss_energy_j": simpson(sum(map(np.asarray, history.losses.values())), x=time),
         "mission_efficiency": simpson(got, x=time) / simpson(given, x=time),
+        "energy_from_drive_j": simpson(np.maximum(power, 0), x=time),
+        "energy_to_drive_j": simpson(np.maximum(-power, 0), x=time),
+        "energy_to_load_j": simpson(np.maximum(taken, 0), x=time),
+        "energy_from_load_j": simpson(np.maximum(-taken, 0), x=time),
     }
     # Sums of eighty numbers in another order.
     assert found["summary"] == pytest.approx(summary, rel=1e-12, abs=1e-15)
@@ -268,6 +290,7 @@ def test_simulate(run, monkeypatch, to_and_fro):
             "rejected": 3,
             "result": "successful",
             "error_estimate": 2.7e-7,
+            "error_time_s": None,
             "time_constant_s": 4e-6,
         },
     }
@@ -288,8 +311,7 @@ def test_simulate(run, monkeypatch, to_and_fro):
         ("peak drive power", "peak_drive_power_w", "W"),
         ("peak screw speed", "peak_screw_speed_rad_per_s", "rad/s"),
         ("largest contact force", "peak_contact_force_n", "N"),
-        ("energy from the drive", "drive_energy_j", "J"),
-        ("energy to the load", "load_energy_j", "J"),
+        *_BOTH_WAYS[to_and_fro],
         ("energy lost", "loss_energy_j", "J"),
         ("efficiency over the mission", "mission_efficiency", "1"),
     ):
@@ -305,7 +327,21 @@ def test_simulate(run, monkeypatch, to_and_fro):
             cells = [float(cell) for cell in printed.row(words)]
             assert cells == pytest.approx([float(values[0]), float(values[-1])], rel=5e-6)
     printed.row("Transient: li2020_two_stage")
-    printed.row("Kvaerno5: 50 steps, 3 rejected, successful; estimated error about 3e-07")
+    # Sentences are broken into lines that fit the terminal.
+    sentences = " ".join(cells[0] for cells in printed.lines)
+    printed.lines.clear()
+    of_screw = "carrier speed uncertain by up to 2.7·10⁻⁵ % of the highest screw speed"
+    expected = ""
+    if to_and_fro:
+        of_screw = "screw speed uncertain by about 2.7·10⁻⁵ % of its largest value"
+        given, back, got, driven = (f"{summary[f'energy_{way}_j']:.6g}" for way in _WAYS)
+        expected = (
+            "Efficiency over the mission: energy put out over energy put in, both directions "
+            f"counted: ({got} + {back}) / ({given} + {driven}). A drive that cannot take energy "
+            f"back has to supply {given} J. "
+        )
+    expected += f"Kvaerno5: 50 steps, 3 rejected, successful; {of_screw}"
+    assert sentences == expected
     printed.finish()
 
 

@@ -1,0 +1,138 @@
+"""What is uncertain in a transient whose carriers are in balance, by how much, and when, in words.
+
+The estimate itself belongs to the method; here it meets the histories, which tell where it is large
+and how little power passes there.
+"""
+
+import itertools
+
+import numpy as np
+
+from ...text import display_unit, number
+from ._transient_result import Transient
+
+#: From this estimate on, the balance of the carriers is stated as an assumption.
+_NOTABLE = 0.01
+#: Largest shares of torque and energy at uncertain samples with which peaks and energies count as
+#: unaffected. In integrations of the example `actuator_mission` they change by less than a tenth
+#: of this.
+_SMALL_TORQUE, _SMALL_ENERGY = 0.05, 0.01
+_ASSUMED = "Carriers are taken to be in balance with their forces at every instant"
+_WITH_INERTIA = 'the method "rosenbrock" integrates the carriers'
+
+
+def error_in_words(run: Transient, turning: str = "screw") -> str | None:
+    """The estimated error of one transient: of what, by how much and when.
+
+    **Arguments:**
+
+    - `run`: a transient outside a trace, of one design.
+    - `turning`: the body that turns, `"screw"` or `"nut"`.
+
+    **Returns:** the words, or `None` if the method neglects no terms, or the transient failed.
+    """
+    if run.solver.error_estimate is None or int(run.solver.code) != 0:
+        return None
+    percent = f"{number(100 * float(run.solver.error_estimate), 2)} %"
+    if run.position is not None:
+        return f"{turning} speed uncertain by about {percent} of its largest value"
+    words = f"carrier speed uncertain by up to {percent} of the highest {turning} speed"
+    return words + _when(run)
+
+
+def neglected_inertia(run: Transient, turning: str = "screw") -> tuple[str, ...]:
+    """Assumptions of a transient whose carriers are in balance, where that may show.
+
+    That is, where the estimated error exceeds 1 %, or the load reverses between two samples while
+    the screw turns: nothing drives the carriers there, and the samples beside it do not show how
+    far the carriers depart from their balance.
+
+    **Arguments:** as `error_in_words`.
+
+    **Returns:** sentences; none where the estimate is small, the method neglects no terms, or the
+    transient failed.
+    """
+    words, estimate = error_in_words(run, turning), run.solver.error_estimate
+    if words is None or estimate is None:
+        return ()
+    if run.position is not None:
+        if not estimate > _NOTABLE:
+            return ()
+        return (f"{_ASSUMED}: {words}; {_WITH_INERTIA}.",)
+    reversals = _reversals(run)
+    if not estimate > _NOTABLE and not reversals:
+        return ()
+    words = f"{_ASSUMED}: {words}, an upper estimate."
+    if reversals:
+        often = "once" if len(reversals) == 1 else f"{len(reversals)} times"
+        first = "" if len(reversals) == 1 else "first "
+        words += (
+            f" Nothing drives the carriers where the load reverses while the {turning} turns: "
+            f"{often}, {first}at about t = {_time(reversals[0])}."
+        )
+    if estimate > _NOTABLE:
+        words += " " + _effect(run)
+    else:
+        words += " The samples beside it do not show the error there."
+    words += f" To check it, {_WITH_INERTIA}"
+    if _stands_still(run):
+        words += "; standstill needs thread friction that is smooth there (regularised_coulomb)"
+    return (words + ".",)
+
+
+def _when(run: Transient) -> str:
+    history = run.solver.error_over_time
+    if history is None or not np.any(np.asarray(history) > 0):
+        return ""
+    time = float(run.time[int(np.argmax(np.asarray(history)))])
+    return f" at t = {_time(time)}"
+
+
+def _time(time: float) -> str:
+    # A time of 0 has no order of magnitude from which a unit could follow.
+    unit = display_unit("s", time or 1.0)
+    return f"{number(unit(time), 3)} {unit.label}"
+
+
+def _reversals(run: Transient) -> list[float]:
+    """Times at which the load reverses while the screw turns, between two samples [s]."""
+    time, load, speed = (np.asarray(x) for x in (run.time, run.load, run.screw_speed))
+    loaded = np.flatnonzero(load)
+    times = []
+    for a, b in itertools.pairwise(loaded):
+        # If the screw reverses too, it stands still there, and carriers with it.
+        turns = speed[a] * speed[b] >= 0 and (speed[a] != 0 or speed[b] != 0)
+        if load[a] * load[b] < 0 and turns:
+            share = load[a] / (load[a] - load[b])
+            times.append(float(time[a] + share * (time[b] - time[a])))
+    return times
+
+
+def _effect(run: Transient) -> str:
+    """How much torque and energy belong to the samples with a notable error."""
+    assert run.solver.error_over_time is not None
+    notable = np.asarray(run.solver.error_over_time) > _NOTABLE
+    torque = np.abs(np.asarray(run.drive_torque))
+    exchanged = np.abs(np.asarray(run.drive_torque * run.screw_speed))
+    if run.load_power is not None:
+        exchanged = exchanged + np.abs(np.asarray(run.load_power))
+    torque_share = _share(torque[notable].max(), torque.max())
+    energy_share = _share(exchanged[notable].sum(), exchanged.sum())
+    words = (
+        f"The estimate exceeds {100 * _NOTABLE:.0f} % at {notable.sum()} of {len(notable)} "
+        f"samples; there the drive torque is at most {number(100 * torque_share, 2)} % of its peak "
+        f"and {number(100 * energy_share, 2)} % of the energy passes"
+    )
+    if torque_share < _SMALL_TORQUE and energy_share < _SMALL_ENERGY:
+        return words + ", so peak torque and energies are hardly affected."
+    return words + ", so torque and energies are uncertain, too."
+
+
+def _share(part: float, whole: float) -> float:
+    return float(part / whole) if whole > 0 else 0.0
+
+
+def _stands_still(run: Transient) -> bool:
+    speed = np.asarray(run.screw_speed)
+    rests = np.abs(speed) <= 1e-9 * np.abs(speed).max()
+    return bool(np.any(rests) or np.any(speed[1:] * speed[:-1] < 0))
