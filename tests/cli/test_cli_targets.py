@@ -237,7 +237,7 @@ def test_a_torque_at_standstill_is_said_to_be_without_friction(prsm):
     _, out, _ = prsm("simulate", "wu2022", "--set", "speed=0 rpm")
     assert re.search(rf"peak drive torque +{7e3 * 10e-3 / (2 * np.pi):.6g} ", out)
     words = "The screw stands still: torques are those that hold the load without thread friction"
-    assert words in said
+    assert words in " ".join(out.split())
     _, out, _ = prsm("simulate", "wu2022")
     assert "stands still" not in out
 

@@ -1,6 +1,7 @@
 """Energies in both directions, and what is said of an error, against integrals and integration."""
 
 import dataclasses
+from collections.abc import Callable
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -125,7 +126,7 @@ def test_words_of_a_reversal(steady):
 class _From(eqx.Module):
     """A function of a scenario, from a later start."""
 
-    of: object
+    of: Callable
     start: float
 
     def __call__(self, time):
@@ -135,12 +136,15 @@ class _From(eqx.Module):
 def test_error_at_a_reversal_of_the_example():
     """The shipped mission around the first reversal of its load, integrated to 1e-10.
 
-    The estimate bounds the error of the carriers, and is seven times as large. Torque changes by less
-    than 0.2 % of the peak of 24 N·m, and energies by less than 0.01 % of the 463 J from the drive.
+    The estimate bounds the error of the carriers, and is seven times as large. Torque changes by
+    less than 0.2 % of the peak of 24 N·m, and energies by less than 0.01 % of the 463 J from the
+    drive.
     """
     start, end = 0.67, 0.73
     mission = prsm.load("actuator_mission")
-    bound = prsm.dynamics.bound_scenario(mission, default_scenario(mission))
+    whole = default_scenario(mission)
+    assert isinstance(whole, prsm.Scenario)
+    bound = prsm.dynamics.bound_scenario(mission, whole)
     scenario = prsm.Scenario(
         _From(bound.speed_at, start),
         _From(bound.load_at, start),
