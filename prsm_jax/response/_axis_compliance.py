@@ -24,9 +24,10 @@ from ._receptance import direct_response, magnitude
 
 
 class AxisCompliance(AbstractResult):
-    """Complex displacement per harmonic force at the same place; infinite at a pole.
+    """Complex displacement per harmonic force at the same place.
 
-    The motor's is an angle per torque.
+    Infinite at an undamped natural frequency whose mode moves the place. The motor's is an angle
+    per torque.
     """
 
     #: [Hz].
@@ -38,7 +39,7 @@ class AxisCompliance(AbstractResult):
     load: Complex[Array, " frequencies"] | None
     #: At the rotor of the motor [rad/(N·m)]; `None` without a motor.
     motor: Complex[Array, " frequencies"] | None
-    #: Whether the axis is driven at a pole, where no steady amplitude exists.
+    #: Whether one of these is infinite: the axis is driven at a pole, without a steady amplitude.
     at_pole: Bool[Array, " frequencies"]
 
     @property
@@ -86,7 +87,7 @@ def axis_compliance(
 
     - `mechanism`: the mechanism, with an axis.
     - `frequency`: frequencies of the force, or one frequency [Hz]. At 0 an axis that nothing holds
-      has a pole.
+      has a pole; rollers that spin freely do not matter.
     - `load`: axial load at which the contact stiffness is taken [N]; default that of the
       operating point.
     - `damping`: default that of the stage; or a law, or `None` for the controller's alone.
@@ -143,4 +144,7 @@ def _compliance(
     if turned is not None:
         # u = r θ under the force T/r; by parts, because infinity over a complex number is NaN.
         turned = jax.lax.complex(turned.real / axis.radius**2, turned.imag / axis.radius**2)
-    return AxisCompliance(hertz, own["nut"], own.get("load"), turned, steady.at_pole)
+    at_pole = jnp.any(
+        jnp.stack([steady.infinite[:, row, at] for at, row in enumerate(rows.values())]), axis=0
+    )
+    return AxisCompliance(hertz, own["nut"], own.get("load"), turned, at_pole)

@@ -147,9 +147,11 @@ def excited_response(
     steady = harmonic_response(network, jnp.abs(omega), loads, damping, method)
     moved = steady.displacement[:, :, 0]
     # Infinite amplitudes have arbitrary signs: their sums would not be numbers.
-    finite = jnp.where(steady.at_pole[:, None], jnp.zeros_like(moved), moved)
+    endless = steady.infinite[:, :, 0]
+    finite = jnp.where(endless, jnp.zeros_like(moved), moved)
     force = stiffness[None, :] * (finite @ rows.T - errors[None, :])
-    force = jnp.where(steady.at_pole[:, None], jnp.full_like(force, jnp.inf), force)
+    held = jnp.any(endless[:, None, :] & (network.rows != 0)[None, :, :], axis=-1)
+    force = jnp.where(held, jnp.full_like(force, jnp.inf), force)
     return MeshResponse(
         speed,
         jnp.abs(omega) / (2 * jnp.pi),

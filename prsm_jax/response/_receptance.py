@@ -1,6 +1,7 @@
 """Receptances of a spring network: by direct solution, and as a sum over modes."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Literal, TypeAlias
 
 import equinox as eqx
@@ -13,11 +14,15 @@ from ..mechanism import DampingLaw
 from ..numerics import Factors, factorise, substitute, substitute_transposed
 from ..programs import physics
 from ..vibration import SpringNetwork
-from ._dissipation import AnyDamping, Dissipation, dissipation, scaled_modes
+from ._dissipation import AnyDamping, Dissipation, dissipation
+from ._poles import ScaledModes, anywhere, modes_of, rounding
 
 Solver: TypeAlias = Literal["direct", "modal"]
 #: Frequencies solved at once; more are solved in chunks, so that memory stays bounded.
 _CHUNK = 256
+#: Modes are separated from undamped equations below this multiple of the rounding of a pivot. The
+#: factors then lose at most 13 of 16 digits to a mode that is not separated.
+_NEAR = 1e3
 
 
 class Harmonic(eqx.Module):
@@ -25,8 +30,14 @@ class Harmonic(eqx.Module):
 
     #: Complex displacement of every coordinate for every load [m].
     displacement: Complex[Array, "frequencies coordinates loads"]
-    #: Whether the system is driven at a pole, so that no amplitude exists; it is then infinite.
-    at_pole: Bool[Array, " frequencies"]
+    #: Whether a load drives a mode at its natural frequency without damping and the mode moves the
+    #: coordinate: no amplitude exists there, and the displacement is infinite.
+    infinite: Bool[Array, "frequencies coordinates loads"]
+
+    @property
+    def at_pole(self) -> Bool[Array, "*batch frequencies"]:
+        """Whether any displacement is infinite."""
+        return jnp.any(self.infinite, axis=(-2, -1))
 
 
 class _Scaled(eqx.Module):
@@ -53,6 +64,12 @@ class _Scaled(eqx.Module):
                 losses = losses + self.hysteretic.astype(dtype) @ x
             product = product + jnp.asarray(1j, dtype) * losses
         return product
+
+    def losses(self, omega: Scalar) -> Float[Array, "n n"]:
+        """`H + ωC`."""
+        total = jnp.zeros_like(self.stiffness)
+        total = total if self.viscous is None else total + omega * self.viscous
+        return total if self.hysteretic is None else total + self.hysteretic
 
 
 def _scale(network: SpringNetwork, losses: Dissipation) -> _Scaled:
@@ -111,10 +128,13 @@ def direct_response(
     NaN where a frequency or a number of the network is not finite; this is no pole.
 
     One factorisation for each frequency, in coordinates scaled by √m, and one back substitution
-    for each load. No modes are needed, so repeated roots need no special case, and derivatives use
-    the same factors. A pivot within rounding of zero marks a pole: an undamped system driven at a
-    natural frequency, or an unsupported one at 0 Hz. All coordinates are marked, even those that
-    the mode of the pole does not move.
+    for each load. Away from poles no modes are needed, so repeated roots need no special case, and
+    derivatives use the same factors. Equations that are singular within rounding mark a possible
+    pole: an undamped system driven near a natural frequency, or an unsupported one near 0 Hz. Only
+    then are the modes found. Those within rounding of the equations are separated from them,
+    `q = q₀ + Σ φ φᵀ f / (ω_k² − ω²)`, where q₀ solves the equations for all other modes. At the
+    natural frequency an amplitude is infinite if the residue `Σ φ φᵀ f` is not zero; else it is
+    q₀, its limit.
 
     **Arguments:**
 
@@ -124,41 +144,135 @@ def direct_response(
     - `damping`: a law, any viscous matrix, a `Dissipation`, or `None`.
     """
     scaled = _scale(network, dissipation(network, damping))
-    size = len(network.coordinates)
-    real = network.mass.dtype
-    kind = _complex_dtype(real) if scaled.damped else real
-    rounding = size * float(jnp.finfo(real).eps)
+    # Damping moves energy between modes: they are separated only where the equations are singular.
+    near = 1.0 if scaled.damped else _NEAR
 
     def at(w: Scalar, load: Complex[Array, "coordinates loads"]):
-        matrix = jax.lax.stop_gradient(scaled.apply(w, jnp.eye(size, dtype=kind)))
-        factors = factorise(matrix)
-        # The diagonal is a difference: even if small, it has the rounding error of ω² and of A.
-        largest = jnp.max(jnp.abs(scaled.stiffness)) + w**2
-        # Not a number: there is no amplitude, and no verdict of a pole.
-        none = ~jnp.isfinite(factors.smallest_pivot + largest)
-        at_pole = (factors.smallest_pivot <= rounding * largest) & ~none
-        regular = jnp.where(at_pole | none, jnp.eye(size, dtype=kind), factors.matrix)
-        factors = Factors(regular, factors.order)
-        right = scaled.weight[:, None].astype(load.dtype) * load
+        factors, least, none = _factors(scaled, w)
+        possible = _singular(factors, near * least) & ~none
+        factors = _regular(factors, possible | none)
+        moved = _solved(scaled, w, load, factors, lambda b: b, jnp.zeros_like)
+        return _undefined(moved, none), possible
 
-        def solved(part: Array) -> Array:
-            return jax.lax.custom_linear_solve(
-                lambda x: scaled.apply(w, x),
-                part,
-                lambda _, b: substitute(factors, b),
-                lambda _, b: substitute_transposed(factors, b),
-            )
+    displacement, possible = _each(at, omega, loads)
 
-        if scaled.damped:
-            displacement = solved(right)
-        else:
-            # Real factors: half the work, and exactly in phase or antiphase with the load.
-            parts = solved(jnp.concatenate([right.real, right.imag], axis=1))
-            displacement = jax.lax.complex(*jnp.split(parts, 2, axis=1))
-        moved = scaled.weight[:, None].astype(displacement.dtype) * displacement
-        return infinite(_undefined(moved, none), at_pole), at_pole
+    def separated():
+        modes = modes_of(network)
+        found, endless = _each(partial(_separated, scaled, modes, near), omega, loads)
+        # Elsewhere exactly the direct solution, whatever happens at other frequencies or designs.
+        changed = possible[:, None, None]
+        return jnp.where(changed, found, displacement), changed & endless
 
-    return Harmonic(*_each(at, omega, loads))
+    def unchanged():
+        return displacement, jnp.zeros(displacement.shape, bool)
+
+    return Harmonic(*jax.lax.cond(anywhere(possible), separated, unchanged))
+
+
+def _factors(
+    scaled: _Scaled, omega: Scalar, shift: Float[Array, "n n"] | None = None
+) -> tuple[Factors, Scalar, Bool[Array, ""]]:
+    """Factors of the equations, the rounding of a pivot, and whether a number is not finite."""
+    size = scaled.weight.shape[0]
+    kind = _complex_dtype(scaled.weight.dtype) if scaled.damped else scaled.weight.dtype
+    matrix = jax.lax.stop_gradient(scaled.apply(omega, jnp.eye(size, dtype=kind)))
+    # The diagonal is a difference: even if small, it has the rounding error of ω² and of A.
+    largest = jax.lax.stop_gradient(jnp.max(jnp.abs(scaled.stiffness)) + omega**2)
+    factors = factorise(matrix if shift is None else matrix + (largest * shift).astype(kind))
+    # Not a number: there is no amplitude, and no verdict of a pole.
+    none = ~jnp.isfinite(factors.smallest_pivot + largest)
+    return factors, rounding(scaled.weight) * largest, none
+
+
+def _singular(factors: Factors, least: Scalar) -> Bool[Array, ""]:
+    """Whether a pivot, or the smallest singular value, is not more than a bound.
+
+    Pivots alone may miss it: with light rollers they are thousands of times the smallest singular
+    value. The solution for a load that no symmetry makes orthogonal to a mode is not.
+    """
+    size = factors.matrix.shape[0]
+    # Sines of integers: without symmetry, and the same in every run.
+    load = jnp.sin(1.0 + jnp.arange(size, dtype=factors.matrix.real.dtype))
+    found = substitute(factors, load.astype(factors.matrix.dtype)[:, None])
+    regular = jnp.max(jnp.abs(found)) * least < 1.0
+    # A pivot of zero gives infinity or NaN: neither is regular.
+    return ~regular | (factors.smallest_pivot <= least)
+
+
+def _regular(factors: Factors, replaced: Bool[Array, ""]) -> Factors:
+    identity = jnp.eye(factors.matrix.shape[0], dtype=factors.matrix.dtype)
+    return Factors(jnp.where(replaced, identity, factors.matrix), factors.order)
+
+
+def _solved(
+    scaled: _Scaled,
+    omega: Scalar,
+    load: Complex[Array, "coordinates loads"],
+    factors: Factors,
+    kept: Callable[[Array], Array],
+    added: Callable[[Array], Array],
+) -> Complex[Array, "coordinates loads"]:
+    """Displacement: factors solve for the kept part of the load, and a part is added."""
+    right = scaled.weight[:, None].astype(load.dtype) * load
+
+    def solved(part: Array) -> Array:
+        return jax.lax.custom_linear_solve(
+            lambda x: scaled.apply(omega, x),
+            part,
+            lambda _, b: kept(substitute(factors, kept(b))) + added(b),
+            lambda _, b: kept(substitute_transposed(factors, kept(b))) + added(b),
+        )
+
+    if scaled.damped:
+        displacement = solved(right)
+    else:
+        # Real factors: half the work, and exactly in phase or antiphase with the load.
+        parts = solved(jnp.concatenate([right.real, right.imag], axis=1))
+        displacement = jax.lax.complex(*jnp.split(parts, 2, axis=1))
+    return scaled.weight[:, None].astype(displacement.dtype) * displacement
+
+
+def _separated(
+    scaled: _Scaled,
+    modes: ScaledModes,
+    near: float,
+    omega: Scalar,
+    load: Complex[Array, "coordinates loads"],
+) -> tuple[Complex[Array, "coordinates loads"], Bool[Array, "coordinates loads"]]:
+    """Displacement near a pole, its modes apart from the equations; and where it is infinite."""
+    vectors = modes.vectors
+    largest = jax.lax.stop_gradient(jnp.max(jnp.abs(scaled.stiffness)) + omega**2)
+    close = near * rounding(scaled.weight) * largest
+    away = jax.lax.stop_gradient(modes.squares - omega**2)
+    apart = jnp.abs(away) <= close
+    lost, noise = jnp.zeros_like(away), 0.0
+    if scaled.damped:
+        losses = jax.lax.stop_gradient(scaled.losses(omega))
+        lost = jnp.sum(vectors * (losses @ vectors), axis=0)
+        noise = rounding(lost) * jnp.max(jnp.abs(losses))
+        for matrix in (losses, losses.T):
+            apart = apart & (jnp.sqrt(jnp.sum((matrix @ vectors) ** 2, axis=0)) <= close)
+    met = apart & modes.met(omega, lost, noise)
+    chosen = jnp.where(apart[None, :], vectors, 0.0)
+    factors, least, none = _factors(scaled, omega, chosen @ chosen.T)
+    # Singular all the same: no mode by itself is undamped, but several together are.
+    singular = _singular(factors, least) & ~none
+    factors = _regular(factors, singular | none)
+
+    def kept(b: Array) -> Array:
+        own = chosen.astype(b.dtype)
+        return b - own @ (own.T @ b)
+
+    def added(b: Array) -> Array:
+        own = jnp.where(met[None, :], 0.0, chosen).astype(b.dtype)
+        divisor = jax.lax.complex(away, lost) if scaled.damped else away
+        divisor = jnp.where(apart & ~met, divisor, jnp.ones_like(divisor)).astype(b.dtype)
+        return own @ ((own.T @ b) / divisor[:, None])
+
+    moved = _undefined(_solved(scaled, omega, load, factors, kept, added), none)
+    right = scaled.weight[:, None].astype(load.dtype) * load
+    endless = modes.infinite(met, right) | singular
+    return infinite(moved, endless), endless
 
 
 @physics("modal_sum")
@@ -171,7 +285,8 @@ def modal_response(
     """As `direct_response`, by a sum over all modes, for damping that does not couple them.
 
     `q = Σ φ φᵀ f / (ω_k² − ω² + iL)` with the loss L of the law (`DampingLaw.modal_loss`). All
-    modes are included, so no residual term is needed. One eigenproblem serves all frequencies.
+    modes are included, so no residual term is needed. At a pole the sum is over all other modes,
+    and infinite where those of the pole have a residue. One eigenproblem serves all frequencies.
     Derivatives are those of the system of equations that the sum solves: they are correct at
     repeated roots, where derivatives of single modes do not exist.
 
@@ -185,23 +300,20 @@ def modal_response(
             'choose method "direct", or a law of damping'
         )
     scaled = _scale(network, dissipation(network, damping))
-    vectors, roots = scaled_modes(network)
-    rounding = len(network.coordinates) * float(jnp.finfo(roots.dtype).eps)
+    modes = modes_of(network)
+    roots = modes.roots
 
     def at(w: Scalar, load: Complex[Array, "coordinates loads"]):
         elastic = roots**2 - w**2
         lost = jnp.zeros_like(roots) if damping is None else damping.modal_loss(roots, w)
-        size = jnp.abs(elastic) + jnp.abs(lost)
-        # Rounding errors of ω² and ω_k² are relative; for rigid motions relative to the largest.
-        close = size <= rounding * (roots**2 + w**2) + rounding**2 * jnp.max(roots) ** 2
-        none = ~jnp.all(jnp.isfinite(size))
-        at_pole = jnp.any(close) & ~none
-        unusable = at_pole | none
+        none = ~jnp.all(jnp.isfinite(jnp.abs(elastic) + jnp.abs(lost)))
+        met = modes.met(w, lost) & ~none
+        unusable = met | none
         divisor = jax.lax.stop_gradient(
             jax.lax.complex(jnp.where(unusable, 1.0, elastic), jnp.where(unusable, 0.0, lost))
         )
         right = scaled.weight[:, None].astype(load.dtype) * load
-        basis = vectors.astype(load.dtype)
+        basis = jnp.where(met[None, :], 0.0, modes.vectors).astype(load.dtype)
 
         def solve(_, b):
             return basis @ ((basis.T @ b) / divisor[:, None])
@@ -210,7 +322,8 @@ def modal_response(
             lambda x: scaled.apply(w, x), right, solve, symmetric=True
         )
         moved = scaled.weight[:, None].astype(displacement.dtype) * displacement
-        return infinite(_undefined(moved, none), at_pole), at_pole
+        endless = modes.infinite(met, right)
+        return infinite(_undefined(moved, none), endless), endless
 
     return Harmonic(*_each(at, omega, loads))
 
@@ -250,7 +363,7 @@ def receptance_matrix(
     - `responses`, `excitations`: coordinates by name, such as `"screw u"` and `"roller 3 u"`.
     - `damping`, `method`: as `harmonic_response`.
 
-    **Returns:** the receptances, and whether each frequency is a pole.
+    **Returns:** the receptances, and whether any of them is infinite at each frequency.
 
     **Raises:** `ValueError` for a coordinate that does not exist.
     """
@@ -261,4 +374,4 @@ def receptance_matrix(
     unit = jnp.zeros((size, count), kind).at[columns, jnp.arange(count)].set(1.0)
     loads = jnp.broadcast_to(unit, (omega.shape[0], size, count))
     steady = harmonic_response(network, omega, loads, damping, method)
-    return steady.displacement[:, rows, :], steady.at_pole
+    return steady.displacement[:, rows, :], jnp.any(steady.infinite[:, rows, :], axis=(1, 2))

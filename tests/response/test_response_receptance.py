@@ -3,7 +3,6 @@
 import re
 from typing import Any
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -172,37 +171,6 @@ def test_modal_damping_gives_every_mode_its_ratio():
     found = np.asarray(modes.shapes.T) @ viscous @ np.asarray(modes.shapes)
     expected = np.diag(2 * 0.02 * natural("unequal"))
     assert np.abs(found - expected).max() < 40 * _EPS * expected.max()
-
-
-@pytest.mark.parametrize("method", ["direct", "modal"])
-def test_an_undamped_pole_is_marked_and_infinite(method):
-    """Every natural frequency of the symmetric stage, repeated ones too; not its neighbourhood."""
-    network = network_of(SCENES["symmetric"]())
-    poles = jnp.asarray(natural("symmetric"))
-    found, at_pole = all_receptances(network, poles, None, method)
-    assert at_pole.all()
-    assert np.isinf(np.real(np.asarray(found))).all()
-    assert not np.isnan(np.asarray(found)).any()
-    beside, at_pole = all_receptances(network, poles * (1 + 1e-8), None, method)
-    assert not at_pole.any()
-    assert np.isfinite(np.asarray(beside)).all()
-    damped, at_pole = all_receptances(network, poles, LAWS["structural"], method)
-    assert not at_pole.any()
-    assert np.isfinite(np.asarray(damped)).all()
-
-
-def test_a_stage_that_nothing_holds_is_at_a_pole_at_rest():
-    """No torsional support at all: a force at rest turns the mechanism without end."""
-    stage = example("wu2022").stages[0]
-    free = {
-        name: eqx.tree_at(lambda b: b.support.torsional_stiffness, getattr(stage, name), None)
-        for name in ("screw", "ring_gear", "nut")
-    }
-    one = replaced(example("wu2022"), **free)
-    found = response(one, "screw u", "screw u", [0.0, 10.0], damping=LAWS["structural"])
-    assert found.at_pole.tolist() == [True, False]
-    assert np.isinf(found.magnitude[0])
-    assert np.isfinite(found.magnitude[1])
 
 
 def test_any_matrix_damps_the_direct_solution():
