@@ -36,9 +36,11 @@ class FrequencyResponse(DesignResult):
 
     #: [Hz].
     frequency: Annotated[Float[Array, " frequencies"], In("Hz")]
-    #: In the unit of `kind`; infinite at a pole, NaN at a frequency that is not a number.
+    #: In the unit of `kind`; infinite at a pole, NaN at a frequency that is not a number. At an
+    #: undamped natural frequency whose mode does not take part at both places: the limit.
     value: Complex[Array, " frequencies"]
-    #: Whether the system is driven at a pole, where no steady amplitude exists.
+    #: Whether the response has a pole there: the mode takes part at both places, without damping,
+    #: and no steady amplitude exists.
     at_pole: Bool[Array, " frequencies"]
     excitation: str = eqx.field(static=True)
     response: str = eqx.field(static=True)

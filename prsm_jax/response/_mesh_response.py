@@ -35,7 +35,9 @@ from ._receptance import Solver, harmonic_response, magnitude
 class MeshResponse(DesignResult):
     """Steady vibration under one harmonic of an excitation in the contacts, by screw speed.
 
-    Amplitudes are complex: the vibration is `Re(amplitude · e^{iωt})`. At a pole they are infinite.
+    Amplitudes are complex: the vibration is `Re(amplitude · e^{iωt})`. If an undamped mode is
+    driven at its natural frequency, they are infinite where it moves a coordinate, and so are the
+    forces in springs at such coordinates.
     """
 
     #: Screw speed [rad/s].
@@ -46,6 +48,7 @@ class MeshResponse(DesignResult):
     displacement: Annotated[Complex[Array, "speeds coordinates"], In("m")]
     #: Force in every spring, positive in tension; in contacts from elongation minus error [N].
     spring_force: Annotated[Complex[Array, "speeds springs"], In("N")]
+    #: Whether any of them is infinite.
     at_pole: Annotated[Bool[Array, " speeds"], In("1")]
     coordinates: tuple[Coordinate, ...] = eqx.field(static=True)
     springs: tuple[Spring, ...] = eqx.field(static=True)

@@ -42,7 +42,7 @@ def _taking_part(residue):
     """Pairs of coordinates with more than 1e-18 of the energy of the modes, and a joint motion."""
     energy = np.diag(residue)
     moved = energy > 1e-18
-    joint = abs(residue) > 1e-6 * np.sqrt(np.outer(energy, energy))
+    joint = abs(residue) > 1e-9 * np.sqrt(np.outer(energy, energy))
     return np.outer(moved, moved) & joint
 
 

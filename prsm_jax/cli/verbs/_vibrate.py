@@ -80,6 +80,14 @@ def _damped(mechanism: Mechanism, stage: int, ratio: float | None) -> Any:
     return ModalDamping(as_scalar(ratio))
 
 
+def _undamped(infinite: np.ndarray) -> str:
+    """What the table of a response without damping shows."""
+    words = "no damping, so infinite at resonance; give [stage.damping] or --ratio"
+    if infinite.all():
+        return words
+    return f"{words}. Finite: the mode does not move both places; the other modes give the value"
+
+
 @app.command
 def response(
     file: str,
@@ -153,8 +161,8 @@ def response(
         ]
         title = f"{kind.capitalize()} of {target} per force at {source}: {file}, stage {stage}"
         lines = table(title, ["family", "f Hz", "times", unit, "phase deg"], rows)
-        if law is None:
-            lines += prose("no damping, so infinite at resonance; give [stage.damping] or --ratio")
+        if law is None and np.asarray(peaks.at_pole).any():
+            lines += prose(_undamped(np.asarray(peaks.at_pole)))
         if not np.asarray(both.value).any():
             lines += prose(f"by symmetry a force at {source} does not move {target}")
         return lines + ("" if picture is None else f"picture: {picture}")

@@ -35,6 +35,7 @@ CROSSING_KEYS = {
     "excited",
 }
 _PAIR = ("--from", "screw u", "--to", "nut u")
+_FAMILIES = ("carrier", "torsional", "transverse", "roller")
 
 
 def test_response_json_agrees_with_python(prsm_json):
@@ -125,3 +126,32 @@ def test_one_line_says_what_is_wrong(prsm, words, message):
     assert err.startswith("prsm: ")
     assert message in err
     assert err.count("\n") == 1
+
+
+def test_the_table_shows_resonances_where_the_mode_takes_part(prsm, prsm_json):
+    """Rotations of the actuator: torsional modes only; a limit at all others, as beside them."""
+    pair = ("response", "actuator", *_PAIR)
+    status, out, _ = prsm(*pair, "--points", 3)
+    assert status == 0
+    rows = [line.split() for line in out.splitlines() if line.startswith(_FAMILIES)]
+    assert {row[3] for row in rows if row[0] == "torsional"} <= {"∞", "inf"}
+    shown = [float(row[3]) for row in rows if row[0] != "torsional"]
+    assert len(shown) == 6
+    assert "no damping, so infinite at resonance" in out
+    assert "Finite: the mode does not move both places" in " ".join(out.split())
+    found = prsm_json(*pair, "--fmin", 10, "--fmax", 20, "--points", 2)
+    hertz = np.array(found["natural_frequencies_hz"])
+    still = [k for k, name in enumerate(found["families"]) if name != "torsional"]
+    for share in (1 - 1e-6, 1 + 1e-6):
+        beside = prsm_jax.frequency_response(
+            scenes.example("actuator"), "screw u", "nut u", np.unique(hertz[still]) * share
+        )
+        # A double root may differ in its last digit: the same to four decimals, then listed once.
+        listed = list(dict.fromkeys(np.round(np.asarray(beside.decibel), 2)))
+        np.testing.assert_allclose(listed, shown, atol=6e-3)
+    at = prsm_json(*pair, "--fmin", hertz[1], "--fmax", hertz[2], "--points", 2)
+    assert at["at_pole"] == [True, False]
+    assert at["real"][0] is None
+    assert at["magnitude_db"][1] == pytest.approx(-170.239, abs=1e-3)
+    _, out, _ = prsm("response", "wu2022", "--from", "screw u", "--to", "nut x", "--points", 5)
+    assert "no damping" not in out
