@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from present import present
 from response_scenes import (
     LAWS,
     SCENES,
@@ -215,8 +216,9 @@ def test_rollers_that_spin_freely_leave_the_compliance_of_the_axis_finite():
     for values in found.magnitudes.values():
         np.testing.assert_allclose(values, values[0], rtol=1e-6)
     # Without the controller the motor turns freely, and moves all three places.
-    motor = dataclasses.replace(axis.axis.motor, controller=None)
-    loose = dataclasses.replace(axis, axis=dataclasses.replace(axis.axis, motor=motor))
+    around = present(axis.axis)
+    motor = dataclasses.replace(present(around.motor), controller=None)
+    loose = dataclasses.replace(axis, axis=dataclasses.replace(around, motor=motor))
     free = _compliance(loose, jnp.asarray([0.0, 1.0]), damping=None)
     assert free.at_pole.tolist() == [True, False]
     for values in free.magnitudes.values():
