@@ -249,8 +249,8 @@ def _false_brinelling(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         return (
             f"the {turning} oscillates by {math.degrees(r.details['available']):.3g} deg to either "
             "side, but its contacts leave their own ellipse only from "
-            f"{math.degrees(r.details['required']):.3g} deg on: they wear locally, which the rating "
-            f"life does not cover; turn the {turning} further from time to time"
+            f"{math.degrees(r.details['required']):.3g} deg on: they wear locally, which the "
+            f"rating life does not cover; turn the {turning} further from time to time"
         )
 
     yield _at_least("false_brinelling", index, amplitudes, message, "rad", unit="rad")
