@@ -24,6 +24,7 @@ from .histories import (
     Phase as Phase,
     SolverReport as SolverReport,
     Transient as Transient,
+    coarse_samples as coarse_samples,
     energy as energy,
     error_in_words as error_in_words,
     integral as integral,

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from ...dynamics import (
     MethodName,
     Transient,
+    coarse_samples,
     default_scenario,
     energy,
     error_in_words,
@@ -270,7 +271,8 @@ def simulate(
         return words + (f"{len(pictures)} pictures in {common.out}" if pictures else "")
 
     results["valid"] = bool(run.solver.code == 0)
-    rests_on = (*assumptions(mechanism, TRANSIENT), *neglected_inertia(run, turning))
+    own = (*neglected_inertia(run, turning), *coarse_samples(run))
+    rests_on = (*assumptions(mechanism, TRANSIENT), *own)
     return int(not emit(common, results, text, rests_on, checked(mechanism)))
 
 

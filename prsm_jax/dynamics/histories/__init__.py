@@ -25,6 +25,7 @@ from ._transient_result import (
     transient_of as transient_of,
 )
 from ._uncertainty import (
+    coarse_samples as coarse_samples,
     error_in_words as error_in_words,
     neglected_inertia as neglected_inertia,
 )

@@ -1,7 +1,7 @@
-"""What is uncertain in a transient whose carriers are in balance, by how much, and when, in words.
+"""What is uncertain in a transient, by how much, and when, in words.
 
-The estimate itself belongs to the method; here it meets the histories, which tell where it is large
-and how little power passes there.
+Carriers in balance have an estimated error, which the method gives; the histories tell where it is
+large, and how little power passes there. Energies depend on the number of samples.
 """
 
 import itertools
@@ -11,7 +11,7 @@ import numpy as np
 from ...text import display_unit, number
 from ._transient_result import Transient
 
-#: From this estimate on, the balance of the carriers is stated as an assumption.
+#: From this share on, an error is stated as an assumption.
 _NOTABLE = 0.01
 #: Largest shares of torque and energy at uncertain samples with which peaks and energies count as
 #: unaffected. In integrations of the example `actuator_mission` they change by less than a tenth
@@ -78,6 +78,50 @@ def neglected_inertia(run: Transient, turning: str = "screw") -> tuple[str, ...]
     if _stands_still(run):
         words += "; standstill needs thread friction that is smooth there (regularised_coulomb)"
     return (words + ".",)
+
+
+def coarse_samples(run: Transient) -> tuple[str, ...]:
+    """Assumption of energies that are integrals over too few samples.
+
+    That is, where Simpson's rule over every second sample changes one of them by more than 1 % of
+    the energy supplied. Without the power of the load only those of the drive are compared.
+
+    **Arguments:**
+
+    - `run`: a transient outside a trace, of one design.
+
+    **Returns:** a sentence; none where the samples are dense enough, fewer than 5, or the transient
+    failed.
+    """
+    count = len(np.asarray(run.time))
+    if int(run.solver.code) != 0 or count < 5:
+        return ()
+    powers = [np.asarray(run.drive_torque * run.screw_speed)]
+    if run.load_power is not None:
+        powers.append(-np.asarray(run.load_power))
+    step = float(run.time[1] - run.time[0])
+    # Of a multiple of four intervals, Simpson's rule takes all of them, or every second one.
+    last = (count - 1) // 4 * 4 + 1
+    supplied, change = 0.0, 0.0
+    for power in powers:
+        for part in (np.maximum(power[:last], 0.0), np.maximum(-power[:last], 0.0)):
+            fine, coarse = _simpson(step, part), _simpson(2 * step, part[::2])
+            change = max(change, abs(fine - coarse))
+        supplied += _simpson(step, np.maximum(power[:last], 0.0))
+    share = _share(change, supplied)
+    if share <= _NOTABLE:
+        return ()
+    return (
+        f"Energies and the efficiency over the mission are integrals over {count} samples. With "
+        f"every second sample one of the energies differs by {number(100 * share, 2)} % of the "
+        "energy supplied: raise the number of samples.",
+    )
+
+
+def _simpson(step: float, values: np.ndarray) -> float:
+    """Simpson's rule over an even number of intervals."""
+    inner = 4 * values[1:-1:2].sum() + 2 * values[2:-1:2].sum()
+    return float(step / 3 * (values[0] + values[-1] + inner))
 
 
 def _when(run: Transient) -> str:

@@ -67,6 +67,26 @@ def test_energies_of_each_direction(steady):
         prsm.dynamics.energy(run, "form_drive")
 
 
+def test_energies_over_too_few_samples_are_named(steady):
+    """Pulses of power that begin and end between samples; a sine with 40 samples in a period."""
+    time = steady.time
+    smooth = _made(
+        steady,
+        drive_torque=8.0 + 0 * time,
+        screw_speed=100.0 * jnp.sin(10 * jnp.pi * time),
+        load_power=500.0 * jnp.sin(10 * jnp.pi * time),
+    )
+    assert prsm.dynamics.coarse_samples(smooth) == ()
+    step = jnp.where(jnp.arange(401) % 16 < 5, 100.0, 0.0)
+    (sentence,) = prsm.dynamics.coarse_samples(_made(smooth, screw_speed=step, load_power=0 * time))
+    # Weights of Simpson's rule at the five samples of a pulse, and at every second one.
+    fine, coarse = 2 + 4 + 2 + 4 + 2, 2 * (2 + 4 + 2)
+    assert "over 401 samples" in sentence
+    share = 100 * abs(coarse / fine - 1)
+    printed = float(sentence.split("differs by ")[1].split(" %")[0])
+    assert printed == pytest.approx(share, rel=0.05)
+
+
 def test_words_of_a_small_error_and_of_none(steady):
     """Constant speed: no term is neglected after settling, and nothing is assumed."""
     assert prsm.dynamics.error_in_words(steady) == (
