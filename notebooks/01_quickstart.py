@@ -98,7 +98,7 @@ print(best)
 assert best.converged
 
 # %% [markdown]
-# The constraints that limit the optimum, with the gain from a slightly wider limit:
+# The active constraints, and the change of the efficiency if a limit is raised by 1 %:
 
 # %%
 for constraint in best.constraints:

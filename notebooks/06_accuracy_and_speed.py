@@ -41,7 +41,8 @@ for case in results["cases"]:
 
 # %% [markdown]
 # ## Do the defaults lie on the front?
-# A method is on the front if no other is both faster and as accurate. Defaults on the front:
+# A method is on the front if no other of this package is faster and as accurate, or as fast with
+# half its error. Defaults on the front:
 
 # %%
 rows = [(key, row) for key, p in problems.items() for row in p["results"] if row["default"]]

@@ -175,7 +175,7 @@ creep = prsm.compute(wrong, ["roller_migration"])["roller_migration"]
 print(f"81 teeth for 80: rollers creep {1e3 * float(creep[0]):+.4f} mm per turn of the carrier")
 
 # %% [markdown]
-# ## A catalogue as witness
+# ## Comparison with a maker's catalogue
 # A maker prints 90 roller screws of 8 to 120 mm. Rules build a mechanism from the dimensions of
 # each size; six numbers of the rules are fitted to every second diameter. How well are the others
 # predicted?

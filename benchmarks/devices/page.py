@@ -19,20 +19,19 @@ shortest possible time is the longer of two: that of the operations that XLA cou
 multiplications and additions in registers, and that of moving inputs and results once, at the rate
 of a copy. Both rates were measured in the same run. The rate of operations is below the figures of
 makers, which are for a multiplication and an addition merged into one. XLA counts a loop as one
-pass, so shares of tasks with loops (meshing, the chain, RODASP) are lower bounds. The **error** is
-the largest difference from float64 on the processor, over the largest entry of each result, for
-1,000 designs.
+pass, so shares of tasks with loops (meshing, frequencies, the chain, RODASP) are lower bounds. The
+**error** is the largest difference from float64 on the processor, over the largest entry of each
+result, for 1,000 designs.
 """
 
 _READING = """\
 ## What to read from it
 
-* Short functions without loops (Hertz, meshing, frequencies) need a million designs at once to
-  fill an accelerator. They are then limited by divisions, roots and long chains of scalars, not by
+* Short functions (Hertz, meshing, frequencies) need a million designs at once to fill an
+  accelerator. They are then limited by divisions, roots and long chains of scalars, not by
   memory.
 * The chain from geometry to efficiency and frequencies consists of many kernels, each of which
   reads and writes memory: 100,000 designs at once take three times as long as 10,000.
-* Settling in closed form takes as long as writing a history of 21 samples.
 * A processor is fastest with chunks of about 1,000 designs, which fit its cache
   (`prsm_jax.sweeps.map_in_chunks`); an accelerator with all designs that fit its memory.
 

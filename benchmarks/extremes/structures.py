@@ -285,7 +285,7 @@ def _steady_outputs(mechanism) -> Outputs:
 def steady(count: int) -> Structure:
     return Structure(
         f"steady_{count}",
-        f"steady state of {count} stages",
+        f"steady state, {count} stage{'s' if count > 1 else ''}",
         _chain(count),
         _steady_outputs,
         reference="chain",

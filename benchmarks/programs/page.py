@@ -13,7 +13,8 @@ This page is written by `python -m benchmarks programs --docs docs`. Do not edit
 
 Each row is a program in its own process: the value of a function, the gradient of a scalar of its
 result in reverse mode (without such a scalar, the Jacobian of all its numbers in forward mode), or
-the Hessian of the scalar; for one design, or for 100 at once under `jax.vmap`. Variables are lead,
+the Hessian of the scalar; for the number of designs in its column, several at once under
+`jax.vmap`. Variables are lead,
 contact angle and roller radius of the first stage. **Equations** are those of the traced program; a
 loop counts once. **Tracing**, **lowering** and **compiling** are processor time; **run** is the
 shortest wall time per design. A program that fails or takes too long has a row with the reason.

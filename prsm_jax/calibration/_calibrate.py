@@ -72,8 +72,8 @@ def calibrate(
     - `bounds`: (lower, upper) by parameter [SI], `None` for no bound. Physical limits, such as a
       friction coefficient of at least 0, hold anyway.
     - `loss`: `"squared"`; or robust, so that outliers count less: `"huber"`, `"soft_l1"`, or
-      `"cauchy"`, which ignores distant ones. Without standard deviations a robust loss estimates
-      them from the median of the absolute residuals.
+      `"cauchy"`, for which the influence of distant ones falls towards 0. Without standard
+      deviations a robust loss estimates them from the median of the absolute residuals.
     - `undetermined_limit`: relative standard deviation from which a combination of parameters is
       called undetermined.
 

@@ -46,7 +46,8 @@ class Measurements:
     - `values`: measured values by quantity of the catalogue, a number per row, NaN where it was
       not measured. A component of a quantity is named `natural_frequencies[2]`. Without a number,
       each row of a quantity with several components (frequencies) holds one measured component,
-      which is paired with the nearest computed one.
+      which is paired with a computed one so that the sum of |ln(measured/computed)| of the row is
+      least.
     - `conditions`: numbers of the mechanism during the measurement, by the name of a parameter
       (`operating_point.load`), a number per row. All other numbers are those of the mechanism.
 

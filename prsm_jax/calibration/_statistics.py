@@ -114,6 +114,8 @@ def repeat_fits(
 ) -> Repetitions:
     """Fit simulated measurements many times in one mapped program, to plan a test rig.
 
+    Unlike those of `calibrate`, limits are not cut at the bounds.
+
     **Arguments:**
 
     - `problem`: from `calibration_problem`; its measured values are not used.

@@ -204,8 +204,9 @@ def morris(
 ) -> GlobalSensitivity:
     """Elementary effects of Morris (SALib): a screening with few designs.
 
-    An effect is the change of the quantity over the whole range of a parameter, from its lower to
-    its upper limit. The distribution of the parameter has no influence.
+    An effect is the change of the quantity over a step of levels/(2 (levels − 1)) of the range of a
+    parameter, over this share; for a linear quantity it is the change over the whole range (Morris
+    1991). The distribution of the parameter has no influence.
 
     **Arguments:**
 

@@ -22,7 +22,7 @@ GIVEN = {
         r"half a unit of its last digit",
         r"Electronics 11, 1395",
         r"for 7 to 12 rollers",
-        r"All 60 frequencies and all ten shapes of 17 entries",
+        r"all 60 frequencies and all ten shapes of\s17 entries",
         r"0\.033 kg",
         r"are\s45° at the threads and 20° at",
         r"^\|[^|]*\|[^|]*\|",

@@ -30,8 +30,8 @@ def check_exchangeable(mechanism: Mechanism) -> None:
 
     - `mechanism`: the mechanism.
 
-    **Raises:** `PrsmError` for thread friction with states of its own (LuGre), or that is smooth
-    through standstill; `MissingDataError` without thread friction, which drives the rollers.
+    **Raises:** `PrsmError` for thread friction with states of its own (LuGre), or that is
+    regularised at standstill; `MissingDataError` without thread friction, which drives the rollers.
     """
     for number, stage in enumerate(mechanism.stages, start=1):
         if stage.thread_law is None:

@@ -31,7 +31,7 @@ class FrontPoint:
     #: Constraints, margins and bounds that are active.
     active: tuple[str, ...]
     kkt_residual: float
-    #: Largest violation of a constraint, relative to its limit.
+    #: Largest violation of a constraint in scaled units: over its larger limit, or its magnitude.
     violation: float
     #: `"optimal"`, `"not converged"`, `"infeasible"`, `"dominated"` or `"repeated"`.
     status: str

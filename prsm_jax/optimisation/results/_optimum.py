@@ -15,7 +15,8 @@ class Design:
     """One design: its variables, objective and constrained quantities [SI].
 
     `usable` is false where it fails (no meshing, a value that is not finite); `violation` is the
-    largest violation of a constraint, relative to its limit.
+    largest violation of a constraint, over its larger limit (at a limit of 0 over the magnitude of
+    the quantity).
     """
 
     variables: dict[str, float]
@@ -77,7 +78,7 @@ class Run:
     #: `None` if no usable design was reached.
     end: Design | None
     objective_history: tuple[float, ...]
-    #: Largest violation of a constraint, relative to its limit.
+    #: Largest violation of a constraint in scaled units: over its larger limit, or its magnitude.
     violation_history: tuple[float, ...]
     #: Values of the variables [SI].
     variable_history: tuple[dict[str, float], ...]

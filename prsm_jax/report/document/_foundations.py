@@ -69,7 +69,7 @@ def left_out_section(data: ReportData) -> Section:
         tables.append(Table("Parts that the file leaves out", head, rows))
     if data.left_out:
         tables.append(Table("Not analysed", ("part", "because"), tuple(data.left_out)))
-    words = ("What a file does not mention is not modelled (prsm explain).",)
+    words = ("Optional parts that the file does not give are not modelled (prsm explain).",)
     stated = assumptions(data.mechanism)
     title = "Assumptions and parts left out"
     return Section("left_out", title, words, tuple(tables), assumptions=stated)

@@ -205,7 +205,7 @@ def inputs_section(data: ReportData) -> Section:
         )
     else:
         words.append(
-            "The mechanism came from no file; its values are listed, and their source is not known."
+            "The mechanism was not read from a file, so the sources of its values are not known."
         )
         tables = [_without_source(table) for table in tables]
     return Section("inputs", "Inputs", tuple(words), tuple(tables))

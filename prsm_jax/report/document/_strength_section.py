@@ -131,7 +131,7 @@ def _cut_at_capacity(values: Mapping[str, Array], index: int) -> str:
         return ""
     return (
         " Ends of flanks cut the contact ellipses at the dynamic capacity, and less at smaller "
-        "loads: there the life falls faster than with the cube of the load. The equivalent load is "
+        "loads: there the life falls faster than 1/F³. The equivalent load is "
         "the constant load with the same life."
     )
 
@@ -153,7 +153,8 @@ def _pressed(
         if not bool(jnp.any(spectrum.load > 0) & jnp.any(spectrum.load < 0)):
             return spectrum, ""
         return spectrum, (
-            " Loads are magnitudes, as if on one flank; the table treats the two flanks separately."
+            " The chart puts the magnitudes of all loads on one flank; the table treats both "
+            "flanks separately."
         )
     both = flank_loads(spectrum.load, preload)
     cubes = [

@@ -33,8 +33,8 @@ def study_sections(study: DriverStudy, command: str = "") -> tuple[Section, ...]
     tables = {part: tuple(map(_table, some)) for part, some in study.tables().items()}
     pictures = _pictures(study)
     gradients = Table(
-        "What the gradient says at each point",
-        ("design", "change of the quantities, active limits, and exchange along the front"),
+        "Changes by the gradient at each point",
+        ("design", "change of the quantities, active limits, and exchange rate of the objectives"),
         tuple((str(i), one.sentence) for i, one in enumerate(study.gradients, start=1)),
     )
     summary = (
@@ -59,10 +59,10 @@ def study_sections(study: DriverStudy, command: str = "") -> tuple[Section, ...]
             "conflict",
             "Conflicts",
             (
-                "The cosine compares the relative gradients of two quantities, each with the sign "
-                "of its sense: at +1 the same change of the drivers is the best for both, below 0 "
-                "a step that improves one by its gradient worsens the other. For a limit the "
-                "sense is that which leads away from it.",
+                "The cosine is that of the angle between the elasticities of two quantities, each "
+                "with the sign of its sense. At +1 one change of the drivers is the best for both; "
+                "below 0 a step along the gradient of one worsens the other. A limited quantity "
+                "has the sense that moves it away from its limit.",
                 *said["conflict"],
             ),
             tables["conflict"],
@@ -158,7 +158,7 @@ def _pictures(study: DriverStudy) -> dict[str, tuple[Picture, ...]]:
         add(
             "conflict",
             "conflict",
-            "Cosine of the angle between the relative gradients of two quantities: below 0 they "
+            "Cosine of the angle between the elasticities of two quantities: below 0 they "
             "conflict.",
             lambda: conflict_maps(study),
         )
@@ -166,7 +166,7 @@ def _pictures(study: DriverStudy) -> dict[str, tuple[Picture, ...]]:
             add(
                 "conflict",
                 "conflict_limits",
-                "The same of the objectives against the quantities of limits.",
+                "The same for each objective and each limited quantity.",
                 lambda: conflict_maps(study, limits=True),
             )
     if study.front.points:
@@ -188,8 +188,7 @@ def _pictures(study: DriverStudy) -> dict[str, tuple[Picture, ...]]:
         add(
             "variants",
             "fronts",
-            "Fronts found without a part of the physics, and what their designs are with all of "
-            "it.",
+            "Fronts found without a part of the physics, and their designs with complete physics.",
             lambda: variant_fronts(study),
         )
     return {part: tuple(some) for part, some in found.items()}

@@ -127,8 +127,8 @@ def finite_elements() -> Iterator[Row]:
                 "MPa",
                 between=(expected - 1.0, expected + 1.0),
                 note=f"from {start:.0f} to 100 N the elements' pressure grows {growth:.2f} "
-                f"times, against {(100.0 / start) ** (1 / 3):.2f} for any Hertz contact: the "
-                "finite elements do not follow the small contact at low load. The size of the "
+                f"times, against {(100.0 / start) ** (1 / 3):.2f} for any Hertz contact, "
+                "whose pressure is proportional to the cube root of the load. The size of the "
                 "elements does not explain it, see section 4 below",
             )
             error = given(_ERRORS[side][index])

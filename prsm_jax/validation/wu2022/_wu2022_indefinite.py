@@ -60,11 +60,12 @@ def indefinite() -> Iterator[Row]:
         evidence=float((lowest < 0).sum()),
         evidence_between=(0.0, 0.0),
         because="springs and supports can only store energy, so ½ qᵀK q is a sum of squares and "
-        "every ω² ≥ 0. All 60 frequencies and all ten shapes follow, to the printed digit, from a "
-        "matrix whose mesh springs enter the diagonal with the wrong sign: − for translations, "
-        "for the torsion of ring gear and nut, and for the rollers at the screw. Six ω² are then "
-        f"negative ({which}), and the tables print √|ω²|. They are not frequencies: displaced by "
-        "one of these shapes the mechanism would not vibrate; the displacement would grow by a "
+        "every ω² ≥ 0. But for misprints, all 60 frequencies and all ten shapes follow, to the "
+        "printed digit, from a matrix whose mesh springs enter the diagonal with the wrong sign: − "
+        "for translations, for the torsion of ring gear and nut, and for the rollers at the "
+        f"screw. Six ω² are then negative ({which}), and the tables print √|ω²|. They are not "
+        "frequencies: displaced by one of these shapes the mechanism would not vibrate; the "
+        "displacement would grow by a "
         f"factor e within {time:.0f} µs at most. The stable model has the same springs with the "
         "correct sign; its number of eigenvalues below zero is the evidence, and its "
         f"lowest ω² is that of {np.sqrt(lowest[0]) / (2 * np.pi):.1f} Hz",

@@ -316,7 +316,7 @@ def test_tables_of_the_report(study):
         wanted = [one.elasticities[n][d] for n in study.problem.objectives for d in NAMES]
         found = [float(cell.replace("−", "-")) for cell in row[1:]]
         assert found == pytest.approx([*wanted, one.exchange], abs=5.1e-4)
-    said = tables["What the gradient says at each point"].rows
+    said = tables["Changes by the gradient at each point"].rows
     assert [row[1] for row in said] == [one.sentence for one in study.gradients]
     spin = study.variants[0]
     changes = tables["Relative change of quantities without a part of the physics, in %"].rows
