@@ -105,14 +105,19 @@ browser:
 # The tests of the core paths with the lowest versions that pyproject.toml allows, and with the
 # newest ones on other Pythons; one that is not on this machine is named as not tested.
 versions: $(TEST_STAMP)
-	$(BIN)/python -m tests.versions lowest
-	$(BIN)/python -m tests.versions newest 3.12 3.13
+	@failed=0; \
+	$(BIN)/python -m tests.versions lowest || failed=1; \
+	$(BIN)/python -m tests.versions newest 3.12 3.13 || failed=1; \
+	exit $$failed
 
+# All of them, so that one that fails does not hide the others.
 lint: $(TEST_STAMP)
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
-	$(BIN)/pyright
-	$(BIN)/python -m tests.layers.public_types
+	@failed=0; \
+	$(BIN)/ruff check . || failed=1; \
+	$(BIN)/ruff format --check . || failed=1; \
+	$(BIN)/pyright || failed=1; \
+	$(BIN)/python -m tests.layers.public_types || failed=1; \
+	exit $$failed
 
 bench: $(TEST_STAMP)
 	$(BIN)/prsm bench --out out/bench --docs docs

@@ -93,8 +93,10 @@ def _changed(before: Mapping[str, Any], after: Mapping[str, Any], table: str) ->
             yield from _changed(old, new, f"{name}.")
         elif _tables(old) and _tables(new) and len(old) == len(new):
             for number, (was, is_now) in enumerate(zip(old, new, strict=True), start=1):
-                # The number of an only stage is left out, as in its other names.
-                row = name if len(new) == 1 else f"{name}.{number}"
+                # As --set names them: the number of an only stage is left out, and a row with a
+                # number of its own (a roller's place) has that one.
+                only = key == "stage" and len(new) == 1
+                row = name if only else f"{name}.{is_now.get('number', number)}"
                 yield from _changed(was, is_now, f"{row}.")
         else:
             yield name
@@ -118,11 +120,13 @@ def _change(
                     _change(document[key][index], was, is_now)
         else:
             document[key] = value
-        _drop_comment(document[key])
+        # `document[key]` is the bare value of a truth value, without its comment.
+        item = getattr(document, "item", None)
+        _drop_comment(document[key] if item is None else item(key))
 
 
 def _drop_comment(item: Any) -> None:
-    """Remove the comment at the end of the line of a number, a text or an inline table.
+    """Remove the comment at the end of the line of a value or an inline table.
 
     That of the head of a table stays: it says what the table is.
     """

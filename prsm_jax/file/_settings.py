@@ -52,20 +52,20 @@ def _apply(
     else:
         bare = float(text) if is_plain_number(text) else text
         value = read_number(bare, parameter.unit, parameter.limit)
+    # Unchecked: settings that are valid only together are applied one after the other.
+    moved = set_parameter(mechanism, key, value, checked=False)
     paths = {one.path for one in parameters}
     for one in before:
-        if one.parameter.path in paths:
+        if one.parameter.path in paths and not one.holds(moved):
             same = {other.parameter.path for other in before if other.shown == one.shown} == paths
             remedy = "leave one of them out" if same else "name the number of a stage in each"
             raise ValueError(f"sets the same number as {one.shown}; {remedy}")
-    # Unchecked: settings that are valid only together are applied one after the other.
-    moved = set_parameter(mechanism, key, value, checked=False)
     given = [_Given(shown, key, one, one.get(moved)) for one in parameters]
     for one in before:
         if not one.holds(moved):
             remedy = "leave one of them out"
             again = one.parameter.set(moved, one.value)
-            if all(other.holds(again) for other in given):
+            if all(other.holds(again) for other in [*before, *given]):
                 remedy += ", or write that one after this one"
             raise ValueError(f"changes {one.key} again, which {one.shown} sets; {remedy}")
     return moved, given
@@ -86,7 +86,8 @@ def apply_settings(
     **Returns:** the mechanism with all settings.
 
     **Raises:** `FileError`, with one line that names the setting and what is allowed; and if two
-    settings set the same number, or a later one (`pitch`) changes that of an earlier one (`lead`).
+    settings give a number different values, or a later one (`pitch`) changes the number of an
+    earlier one (`lead`).
     """
     shown = ""
     before: list[_Given] = []

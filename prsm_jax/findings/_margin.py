@@ -20,9 +20,9 @@ from ..mechanism import Mechanism
 from ..quantities import Analysis, SharedLoad
 
 #: What a violated limit of severity error means for the other results. `existence`: no such
-#: mechanism exists, and its other numbers are meaningless. `assembly`: it
-#: cannot be assembled as drawn; its numbers are computed as if it could. `service`: it can be
-#: built, but fails under its load.
+#: mechanism exists, and its other numbers are meaningless. `assembly`: it cannot be assembled as
+#: drawn; its numbers are computed as if it could. `service`: it can be built, but fails under its
+#: load.
 Kind: TypeAlias = Literal["existence", "assembly", "service"]
 
 
@@ -70,7 +70,8 @@ class Margin:
     strict: bool = False
     #: Whether the value must also be a whole number.
     integer: bool = False
-    #: False for a yes-or-no condition, which has no derivative.
+    #: False for what is no constraint of a search: a yes-or-no condition, which has no derivative,
+    #: and a finding whose remedy is a number of the file.
     smooth: bool = True
     #: Distinguishes findings of one name and stage; for each subject the worst is reported.
     subject: str = ""

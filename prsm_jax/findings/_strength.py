@@ -55,15 +55,15 @@ def _at_least(
     unit: str = "1",
     shares: tuple[SharedLoad, ...] = (),
 ) -> Margin:
-    """A warning where the available value is less than the needed one.
+    """A warning where the available value is less than the required one.
 
     The margin is their difference, or, without a unit, their quotient minus 1; both values are in
     the details, as `available` and `required`.
     """
 
     def value(analysis: Analysis) -> Scalar:
-        available, needed = pair(analysis)
-        return available / needed - 1 if unit == "1" else available - needed
+        available, required = pair(analysis)
+        return available / required - 1 if unit == "1" else available - required
 
     return Margin(
         name,

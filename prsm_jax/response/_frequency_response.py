@@ -37,7 +37,7 @@ class FrequencyResponse(DesignResult):
     #: [Hz].
     frequency: Annotated[Float[Array, " frequencies"], In("Hz")]
     #: In the unit of `kind`; infinite at a pole, NaN at a frequency that is not a number. At an
-    #: undamped natural frequency whose mode does not take part at both places: the limit.
+    #: undamped natural frequency whose modes do not connect both places: the limit.
     value: Complex[Array, " frequencies"]
     #: Whether the response has a pole there: the mode takes part at both places, without damping,
     #: and no steady amplitude exists.

@@ -29,6 +29,7 @@ from ._orders import (
     roller_phases,
     working_carrier_ratio,
 )
+from ._poles import shape_rounding
 from ._receptance import Solver, harmonic_response, magnitude
 
 
@@ -37,7 +38,7 @@ class MeshResponse(DesignResult):
 
     Amplitudes are complex: the vibration is `Re(amplitude · e^{iωt})`. If an undamped mode is
     driven at its natural frequency, they are infinite where it moves a coordinate, and so are the
-    forces in springs at such coordinates.
+    forces in springs that it stretches.
     """
 
     #: Screw speed [rad/s].
@@ -148,13 +149,12 @@ def excited_response(
     omega = harmonic * order.order * speed
     loads = jnp.broadcast_to(load[None, :, None], (speed.shape[0], load.shape[0], 1))
     steady = harmonic_response(network, jnp.abs(omega), loads, damping, method)
-    moved = steady.displacement[:, :, 0]
-    # Infinite amplitudes have arbitrary signs: their sums would not be numbers.
-    endless = steady.infinite[:, :, 0]
-    finite = jnp.where(endless, jnp.zeros_like(moved), moved)
-    force = stiffness[None, :] * (finite @ rows.T - errors[None, :])
-    held = jnp.any(endless[:, None, :] & (network.rows != 0)[None, :, :], axis=-1)
-    force = jnp.where(held, jnp.full_like(force, jnp.inf), force)
+    moved, residue = steady.displacement[:, :, 0], steady.residue[:, :, 0]
+    force = stiffness[None, :] * (steady.limit[:, :, 0] @ rows.T - errors[None, :])
+    # An undamped mode at its natural frequency stretches some springs, and moves others as a whole.
+    stretch = jnp.abs(residue @ rows.T)
+    rounded = shape_rounding(network.rows) * (jnp.abs(residue) @ jnp.abs(network.rows).T)
+    force = jnp.where(stretch <= rounded, force, jnp.full_like(force, jnp.inf))
     return MeshResponse(
         speed,
         jnp.abs(omega) / (2 * jnp.pi),

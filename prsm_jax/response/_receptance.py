@@ -20,19 +20,32 @@ from ._poles import ScaledModes, anywhere, modes_of, rounding
 Solver: TypeAlias = Literal["direct", "modal"]
 #: Frequencies solved at once; more are solved in chunks, so that memory stays bounded.
 _CHUNK = 256
-#: Modes are separated from undamped equations below this multiple of the rounding of a pivot. The
-#: factors then lose at most 13 of 16 digits to a mode that is not separated.
+#: Modes are separated from undamped equations below this multiple of the rounding of a pivot. In
+#: double precision the factors then lose at most 13 of 16 digits to a mode that is not separated.
 _NEAR = 1e3
+#: The same in single precision, whose rounding is large: else many frequencies would be near one.
+_NEAR_SINGLE = 10.0
 
 
 class Harmonic(eqx.Module):
     """Amplitudes of a steady harmonic vibration."""
 
-    #: Complex displacement of every coordinate for every load [m].
-    displacement: Complex[Array, "frequencies coordinates loads"]
-    #: Whether a load drives a mode at its natural frequency without damping and the mode moves the
-    #: coordinate: no amplitude exists there, and the displacement is infinite.
-    infinite: Bool[Array, "frequencies coordinates loads"]
+    #: Complex displacement of every coordinate for every load, without the undamped modes that are
+    #: driven at their natural frequency [m].
+    limit: Complex[Array, "frequencies coordinates loads"]
+    #: Residue Σ φ φᵀ f of these modes [N/kg]: the displacement is `limit + residue/(ω_k² − ω²)`. 0
+    #: without such modes; NaN where no single mode is undamped, but several together are.
+    residue: Complex[Array, "frequencies coordinates loads"]
+
+    @property
+    def infinite(self) -> Bool[Array, "*batch frequencies coordinates loads"]:
+        """Whether a load drives undamped modes at their frequency, and they move the coordinate."""
+        return self.residue != 0
+
+    @property
+    def displacement(self) -> Complex[Array, "*batch frequencies coordinates loads"]:
+        """Complex displacement [m]; infinite where no amplitude exists."""
+        return infinite(self.limit, self.infinite)
 
     @property
     def at_pole(self) -> Bool[Array, "*batch frequencies"]:
@@ -134,7 +147,8 @@ def direct_response(
     then are the modes found. Those within rounding of the equations are separated from them,
     `q = q₀ + Σ φ φᵀ f / (ω_k² − ω²)`, where q₀ solves the equations for all other modes. At the
     natural frequency an amplitude is infinite if the residue `Σ φ φᵀ f` is not zero; else it is
-    q₀, its limit.
+    q₀, its limit. The derivative of a limit is that for changes after which the mode still takes no
+    part; for others, such as one that breaks the symmetry, none exists.
 
     **Arguments:**
 
@@ -144,8 +158,9 @@ def direct_response(
     - `damping`: a law, any viscous matrix, a `Dissipation`, or `None`.
     """
     scaled = _scale(network, dissipation(network, damping))
+    near = _near(scaled.weight.dtype)
     # Damping moves energy between modes: they are separated only where the equations are singular.
-    near = 1.0 if scaled.damped else _NEAR
+    close = 1.0 if scaled.damped else near
 
     def at(w: Scalar, load: Complex[Array, "coordinates loads"]):
         factors, least, none = _factors(scaled, w)
@@ -158,15 +173,19 @@ def direct_response(
 
     def separated():
         modes = modes_of(network)
-        found, endless = _each(partial(_separated, scaled, modes, near), omega, loads)
+        found, residue = _each(partial(_separated, scaled, modes, close), omega, loads)
         # Elsewhere exactly the direct solution, whatever happens at other frequencies or designs.
         changed = possible[:, None, None]
-        return jnp.where(changed, found, displacement), changed & endless
+        return jnp.where(changed, found, displacement), jnp.where(changed, residue, 0.0)
 
     def unchanged():
-        return displacement, jnp.zeros(displacement.shape, bool)
+        return displacement, jnp.zeros_like(displacement)
 
     return Harmonic(*jax.lax.cond(anywhere(possible), separated, unchanged))
+
+
+def _near(dtype: Any) -> float:
+    return _NEAR if jnp.finfo(dtype).eps < 1e-12 else _NEAR_SINGLE
 
 
 def _factors(
@@ -238,8 +257,8 @@ def _separated(
     near: float,
     omega: Scalar,
     load: Complex[Array, "coordinates loads"],
-) -> tuple[Complex[Array, "coordinates loads"], Bool[Array, "coordinates loads"]]:
-    """Displacement near a pole, its modes apart from the equations; and where it is infinite."""
+) -> tuple[Complex[Array, "coordinates loads"], Complex[Array, "coordinates loads"]]:
+    """Limit and residue of `Harmonic` near a pole, its modes apart from the equations."""
     vectors = modes.vectors
     largest = jax.lax.stop_gradient(jnp.max(jnp.abs(scaled.stiffness)) + omega**2)
     close = near * rounding(scaled.weight) * largest
@@ -271,8 +290,8 @@ def _separated(
 
     moved = _undefined(_solved(scaled, omega, load, factors, kept, added), none)
     right = scaled.weight[:, None].astype(load.dtype) * load
-    endless = modes.infinite(met, right) | singular
-    return infinite(moved, endless), endless
+    residue = scaled.weight[:, None].astype(load.dtype) * modes.residue(met, right)
+    return moved, jnp.where(singular, jnp.nan, residue)
 
 
 @physics("modal_sum")
@@ -322,8 +341,8 @@ def modal_response(
             lambda x: scaled.apply(w, x), right, solve, symmetric=True
         )
         moved = scaled.weight[:, None].astype(displacement.dtype) * displacement
-        endless = modes.infinite(met, right)
-        return infinite(_undefined(moved, none), endless), endless
+        residue = scaled.weight[:, None].astype(load.dtype) * modes.residue(met, right)
+        return _undefined(moved, none), residue
 
     return Harmonic(*_each(at, omega, loads))
 

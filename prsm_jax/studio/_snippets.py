@@ -18,7 +18,7 @@ _STATUS = {
     "pass": "Pass: all limits are kept; no finding is a warning.",
     "warning": "Warning: a check or a finding below is a warning.",
     "fail": "Fail: a limit below is broken, or a finding is an error.",
-    "no checks": "No checks: the file has no data for one; no finding is a warning.",
+    "no checks": "No checks: the file gives no limit; no finding is a warning.",
 }
 #: A change below this share of the quantity has no bar.
 _NOTHING = 1e-9

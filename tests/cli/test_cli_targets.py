@@ -260,6 +260,11 @@ def test_a_steady_state_at_standstill_says_that_it_is_the_start_of_motion(prsm, 
     assert words not in prsm_json("steady", "wu2022")["assumptions"]
     _, out, _ = prsm("steady", "wu2022", "--set", "speed=0")
     assert words in " ".join(out.split())
+    # The other way round, the load drives forward; without a load nothing is to be held.
+    pulled = prsm_json("steady", "wu2022", "--set", "speed=0", "--set", "load=-7 kN")
+    assert "(a positive speed)" in pulled["assumptions"][0]
+    idle = prsm_json("steady", "wu2022", "--set", "speed=0", "--set", "load=0 N")
+    assert not any("start of motion" in one for one in idle["assumptions"])
 
 
 def test_a_closed_form_has_no_steps(prsm):

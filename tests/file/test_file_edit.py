@@ -114,6 +114,37 @@ def test_rows_and_tables_in_one_line_lose_their_comments():
     assert "# cruise" in edited
 
 
+def test_rows_are_named_by_their_own_number():
+    """By the place of a roller, not by its row, as --set names it; else by the row."""
+    text = (
+        COMMENTED.partition("[[duty_cycle]]")[0]
+        + """
+[[duty_cycle]]
+duration = "10 s"
+speed = "150 rpm"
+load = "3 kN"
+
+[[stage.unequal_roller]]
+number = 3
+stiffness_factor = 0.9  # soft
+"""
+    )
+    other = text.replace("factor = 0.9", "factor = 0.8").replace("3 kN", "4 kN")
+    edited = edit(text, file.loads(other), by="it")
+    names = edited.splitlines()[0].removeprefix("# Changed by it: ").removesuffix(".").split(", ")
+    assert names == ["stage.unequal_roller.3.stiffness_factor", "duty_cycle.1.load"]
+    apply_settings(file.loads(text), [f"{names[0]}=0.7"])
+    assert "soft" not in edited
+
+
+def test_a_truth_value_loses_its_comment():
+    text = COMMENTED + "\n[optimise]\nmaximise = 'efficiency'\navoid_warnings = false  # yet\n"
+    text += "\n[[optimise.variable]]\nname = 'lead'\nlower = '9 mm'\nupper = '11 mm'\n"
+    edited = edit(text, file.loads(text.replace("false", "true")))
+    assert "avoid_warnings = true\n" in edited
+    assert "yet" not in edited
+
+
 def test_a_file_written_anew_says_that_its_comments_are_gone(monkeypatch):
     monkeypatch.setattr("prsm_jax.file._edit._change", lambda *_: None)
     mechanism = apply_settings(file.loads(COMMENTED), ["lead=11.25 mm"])

@@ -219,7 +219,7 @@ def test_settings_refused(setting, message):
     ("first", "second", "message"),
     [
         ("lead=12 mm", "lead=10 mm", "sets the same number as --set {}; leave one of them out"),
-        ("lead=12 mm", "stage.1.thread.lead=12 mm", "sets the same number as --set {}; leave one"),
+        ("lead=12 mm", "stage.1.thread.lead=11 mm", "sets the same number as --set {}; leave one"),
         ("roller_count=9", "roller_count=8", "sets the same number as --set {}; leave one of"),
         ("curvature=exact", "curvature=wu2022", "sets the same number as --set {}; leave one of"),
         # Names of one number: the lead is starts times pitch, and 90 deg is the sum of the angles.
@@ -267,6 +267,7 @@ def test_settings_that_agree_are_accepted():
     for settings, lead in (
         (["lead=12 mm", "pitch=2.4 mm"], 12e-3),
         (["starts=6", "pitch=3 mm"], 18e-3),
+        (["lead=11 mm", "lead=11mm", "stage.1.thread.lead=0.011"], 11e-3),
     ):
         moved = file.apply_settings(actuator, settings).stages[0].thread
         assert float(moved.lead) == pytest.approx(lead, rel=1e-12)

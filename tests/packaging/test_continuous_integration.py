@@ -60,7 +60,7 @@ def test_parts_for_which_no_time_is_left_are_named(tmp_path):
     ],
 )
 def test_a_step_that_fails_does_not_hide_the_others(tmp_path, fails, name):
-    code, lines = _run(tmp_path, PRSM_CI_SECONDS="600", FAILS=fails)
+    code, lines = _run(tmp_path, PRSM_CI_SECONDS="6000", FAILS=fails)
     assert code == 1
     assert lines == [*_made(*_PARTS), f"FAILED: {name}"]
 

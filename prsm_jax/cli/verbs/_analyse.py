@@ -116,13 +116,14 @@ def with_result_name(results: dict[str, Any]) -> dict[str, Any]:
 def _at_standstill(mechanism: Mechanism) -> tuple[str, ...]:
     """What the results of an operating point without speed are those of."""
     point = mechanism.operating_point
-    if point is None or float(point.speed) != 0:
+    if point is None or float(point.speed) != 0 or float(point.load) == 0:
         return ()
     body = mechanism.stages[0].thread.family.turning
+    back = "negative" if float(point.load) > 0 else "positive"
     return (
         "At speed 0, efficiency, torque and forces are those of the start of motion, with the "
         f"{body} driving: the limit of slow turning. At rest, any torque between this one and that "
-        "of back-driving (a negative speed) holds the load.",
+        f"of back-driving (a {back} speed) holds the load.",
     )
 
 

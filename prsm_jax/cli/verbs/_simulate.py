@@ -271,7 +271,7 @@ def simulate(
         return words + (f"{len(pictures)} pictures in {common.out}" if pictures else "")
 
     results["valid"] = bool(run.solver.code == 0)
-    own = (*neglected_inertia(run, turning), *coarse_samples(run))
+    own = (*neglected_inertia(run, mechanism), *coarse_samples(run))
     rests_on = (*assumptions(mechanism, TRANSIENT), *own)
     return int(not emit(common, results, text, rests_on, checked(mechanism)))
 

@@ -85,7 +85,8 @@ def _undamped(infinite: np.ndarray) -> str:
     words = "no damping, so infinite at resonance; give [stage.damping] or --ratio"
     if infinite.all():
         return words
-    return f"{words}. Finite: the mode does not move both places; the other modes give the value"
+    finite = "the modes of this frequency do not connect the two places; the others give the value"
+    return f"{words}. Finite: {finite}"
 
 
 @app.command

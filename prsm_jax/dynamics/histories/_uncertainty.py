@@ -8,6 +8,7 @@ import itertools
 
 import numpy as np
 
+from ...mechanism import Mechanism
 from ...text import display_unit, number
 from ._transient_result import Transient
 
@@ -29,9 +30,12 @@ def error_in_words(run: Transient, turning: str = "screw") -> str | None:
     - `run`: a transient outside a trace, of one design.
     - `turning`: the body that turns, `"screw"` or `"nut"`.
 
-    **Returns:** the words, or `None` if the method neglects no terms, or the transient failed.
+    **Returns:** the words, or `None` if the method neglects no terms, the neglected ones are 0, or
+    the transient failed.
     """
     if run.solver.error_estimate is None or int(run.solver.code) != 0:
+        return None
+    if float(run.solver.error_estimate) == 0:
         return None
     percent = f"{number(100 * float(run.solver.error_estimate), 2)} %"
     if run.position is not None:
@@ -40,18 +44,22 @@ def error_in_words(run: Transient, turning: str = "screw") -> str | None:
     return words + _when(run)
 
 
-def neglected_inertia(run: Transient, turning: str = "screw") -> tuple[str, ...]:
+def neglected_inertia(run: Transient, mechanism: Mechanism) -> tuple[str, ...]:
     """Assumptions of a transient whose carriers are in balance, where that may show.
 
     That is, where the estimated error exceeds 1 %, or the load reverses between two samples while
     the screw turns: nothing drives the carriers there, and the samples beside it do not show how
     far the carriers depart from their balance.
 
-    **Arguments:** as `error_in_words`.
+    **Arguments:**
+
+    - `run`: a transient outside a trace, of one design.
+    - `mechanism`: the mechanism that was simulated.
 
     **Returns:** sentences; none where the estimate is small, the method neglects no terms, or the
     transient failed.
     """
+    turning = mechanism.stages[0].thread.family.turning
     words, estimate = error_in_words(run, turning), run.solver.error_estimate
     if words is None or estimate is None:
         return ()
@@ -59,7 +67,7 @@ def neglected_inertia(run: Transient, turning: str = "screw") -> tuple[str, ...]
         if not estimate > _NOTABLE:
             return ()
         return (f"{_ASSUMED}: {words}; {_WITH_INERTIA}.",)
-    reversals = _reversals(run)
+    reversals = _reversals(run, mechanism)
     if not estimate > _NOTABLE and not reversals:
         return ()
     words = f"{_ASSUMED}: {words}, an upper estimate."
@@ -138,14 +146,20 @@ def _time(time: float) -> str:
     return f"{number(unit(time), 3)} {unit.label}"
 
 
-def _reversals(run: Transient) -> list[float]:
-    """Times at which the load reverses while the screw turns, between two samples [s]."""
+def _reversals(run: Transient, mechanism: Mechanism) -> list[float]:
+    """Times at which the load reverses while the screw turns [s].
+
+    The threads change flanks near them; the inertia of the nut shifts the time. Threads whose
+    friction does not depend on the load drive the carriers at any load.
+    """
+    laws = [stage.thread_law for stage in mechanism.stages]
+    if not any(law is not None and not law.load_independent for law in laws):
+        return []
     time, load, speed = (np.asarray(x) for x in (run.time, run.load, run.screw_speed))
-    loaded = np.flatnonzero(load)
-    times = []
-    for a, b in itertools.pairwise(loaded):
-        # If the screw reverses too, it stands still there, and carriers with it.
-        turns = speed[a] * speed[b] >= 0 and (speed[a] != 0 or speed[b] != 0)
+    times: list[float] = []
+    for a, b in itertools.pairwise(np.flatnonzero(load)):
+        # If the screw stands still between the two, so do the carriers.
+        turns = np.all(speed[a : b + 1] * speed[a] > 0)
         if load[a] * load[b] < 0 and turns:
             share = load[a] / (load[a] - load[b])
             times.append(float(time[a] + share * (time[b] - time[a])))

@@ -5,9 +5,11 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
+from ...findings import margins_of
 from ...geometry import Finding
 from ...mechanism import find_parameters, follows_in_words
 from ...text import TextTable, display_unit, state_without_efficiency
+from ..search import respected
 
 
 def text_of(best: Any, width: int | None) -> str:
@@ -138,7 +140,15 @@ def _finding_lines(best: Any) -> Iterator[str]:
     if broken := list(_broken_at_start(best)):
         yield f"limits of the optimisation that the start breaks: {'; '.join(broken)}"
     yield from _of_design(_final_name(best), "warnings as at the start", end, known)
-    caused = [f for f in end if f.severity == "warning" and (f.name, f.stage) not in known]
+    kept = respected(warnings=True)
+    limited = {(one.name, one.stage) for one in margins_of(best.mechanism) if kept.keeps(one)}
+    caused = [
+        f
+        for f in end
+        if f.severity == "warning"
+        and (f.name, f.stage) in limited
+        and (f.name, f.stage) not in known
+    ]
     if caused and best.feasible and not best.problem.avoid_warnings:
         yield (
             "warnings with a limit can be made constraints: prsm optimise --avoid-warnings, or "

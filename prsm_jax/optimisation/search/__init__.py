@@ -7,7 +7,7 @@ from ._constrained import (
 from ._evaluator import Evaluator as Evaluator, Point as Point
 from ._functions import SearchFunctions as SearchFunctions
 from ._lbfgs import Lbfgs as Lbfgs
-from ._margin_rows import MarginRow as MarginRow
+from ._margin_rows import MarginRow as MarginRow, respected as respected
 from ._method import SearchMethod as SearchMethod, SearchResult as SearchResult
 from ._methods import search_of as search_of
 from ._multi_start import MultiStart as MultiStart

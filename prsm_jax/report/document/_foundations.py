@@ -51,8 +51,7 @@ def with_assumptions(section: Section, data: ReportData) -> Section:
         names.remove("max_pressure")
     stated = assumptions(data.mechanism, names)
     if section.anchor == "transient" and data.transient is not None:
-        turning = data.mechanism.stages[0].thread.family.turning
-        stated = (*stated, *neglected_inertia(data.transient, turning))
+        stated = (*stated, *neglected_inertia(data.transient, data.mechanism))
     return dataclasses.replace(section, assumptions=stated)
 
 

@@ -138,7 +138,9 @@ def test_the_table_shows_resonances_where_the_mode_takes_part(prsm, prsm_json):
     shown = [float(row[3]) for row in rows if row[0] != "torsional"]
     assert len(shown) == 6
     assert "no damping, so infinite at resonance" in out
-    assert "Finite: the mode does not move both places" in " ".join(out.split())
+    assert "Finite: the modes of this frequency do not connect the two places" in " ".join(
+        out.split()
+    )
     found = prsm_json(*pair, "--fmin", 10, "--fmax", 20, "--points", 2)
     hertz = np.array(found["natural_frequencies_hz"])
     still = [k for k, name in enumerate(found["families"]) if name != "torsional"]

@@ -11,6 +11,7 @@ from scenes import FIRST_STAGE_LOSSES, array, mechanism, simulate, stage
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import default_scenario
+from prsm_jax.friction import Friction, ViscousFriction
 from tests.present import present
 
 ONE = mechanism(stage(friction=FIRST_STAGE_LOSSES))
@@ -89,22 +90,20 @@ def test_energies_over_too_few_samples_are_named(steady):
 
 def test_words_of_a_small_error_and_of_none(steady):
     """Constant speed: no term is neglected after settling, and nothing is assumed."""
-    assert prsm.dynamics.error_in_words(steady) == (
-        "carrier speed uncertain by up to 0 % of the highest screw speed"
-    )
-    assert prsm.dynamics.neglected_inertia(steady) == ()
+    assert prsm.dynamics.error_in_words(steady) is None
+    assert prsm.dynamics.neglected_inertia(steady, ONE) == ()
     small = _made(steady, estimate=jnp.zeros(401).at[7].set(2e-3))
     assert prsm.dynamics.error_in_words(small, "nut") == (
         "carrier speed uncertain by up to 0.20 % of the highest nut speed at t = 35.0 ms"
     )
-    assert prsm.dynamics.neglected_inertia(small) == ()
+    assert prsm.dynamics.neglected_inertia(small, ONE) == ()
     exact = dataclasses.replace(steady.solver, error_estimate=None, error_over_time=None)
     exact = dataclasses.replace(steady, solver=exact)
     assert prsm.dynamics.error_in_words(exact) is None
     failed = dataclasses.replace(small.solver, code=jnp.asarray(4))
     failed = dataclasses.replace(small, solver=failed)
     assert prsm.dynamics.error_in_words(failed) is None
-    assert prsm.dynamics.neglected_inertia(failed) == ()
+    assert prsm.dynamics.neglected_inertia(failed, ONE) == ()
 
 
 def test_words_of_a_reversal(steady):
@@ -118,28 +117,36 @@ def test_words_of_a_reversal(steady):
         load_power=1e3 * load / 7e3,
         estimate=jnp.zeros(401).at[140].set(0.3),
     )
-    (sentence,) = prsm.dynamics.neglected_inertia(run)
+    (sentence,) = prsm.dynamics.neglected_inertia(run, ONE)
     assert "by up to 30 % of the highest screw speed at t = 0.700 s" in sentence
-    assert "where the load reverses while the screw turns: once, at about t = 0.700" in sentence
+    assert "the load reverses while the screw turns: once, at about t = 0.700" in sentence
     assert "exceeds 1 % at 1 of 401 samples" in sentence
     assert "so peak torque and energies are hardly affected" in sentence
     assert "standstill" not in sentence
     # Where all of the torque is uncertain, this is said.
-    (everywhere,) = prsm.dynamics.neglected_inertia(_made(run, estimate=jnp.full(401, 0.02)))
+    (everywhere,) = prsm.dynamics.neglected_inertia(_made(run, estimate=jnp.full(401, 0.02)), ONE)
     assert "at 401 of 401 samples" in everywhere
     assert "at most 100 % of its peak and 100 % of the energy passes" in everywhere
     assert "so torque and energies are uncertain, too" in everywhere
     # No sample is near the reversal: none has a large estimate, but it is there.
-    (between,) = prsm.dynamics.neglected_inertia(_made(run, estimate=jnp.full(401, 1e-4)))
+    (between,) = prsm.dynamics.neglected_inertia(_made(run, estimate=jnp.full(401, 1e-4)), ONE)
     assert "once, at about t = 0.700" in between
     assert "The samples beside it do not show the error there." in between
     # Load and screw reverse together: the carriers stand still, too.
     both = (0.7025 - time) / 0.7025
     together = _made(run, estimate=0 * time, load=7e3 * both, screw_speed=100.0 * both)
-    assert prsm.dynamics.neglected_inertia(together) == ()
+    assert prsm.dynamics.neglected_inertia(together, ONE) == ()
+    # The screw stands still while the load reverses, and goes on.
+    pause = jnp.where(abs(time - 0.7) < 0.1, 0.0, 100.0)
+    paused = _made(run, estimate=jnp.full(401, 1e-4), screw_speed=pause)
+    assert prsm.dynamics.neglected_inertia(paused, ONE) == ()
+    # Viscous threads drive the carriers at any load.
+    viscous = mechanism(stage(friction=Friction(thread=ViscousFriction(array(10.0)))))
+    even = _made(run, estimate=jnp.full(401, 1e-4))
+    assert prsm.dynamics.neglected_inertia(even, viscous) == ()
     # Under a prescribed torque it is the speed of the screw.
     torque = _made(run, estimate=jnp.full(401, 0.05), position=time)
-    (sentence,) = prsm.dynamics.neglected_inertia(torque)
+    (sentence,) = prsm.dynamics.neglected_inertia(torque, ONE)
     assert "screw speed uncertain by about 5.0 % of its largest value" in sentence
 
 
@@ -187,5 +194,5 @@ def test_error_at_a_reversal_of_the_example():
     for of in ("from_drive", "to_drive", "loss"):
         ours, true = (float(prsm.dynamics.energy(run, of)) for run in (found, exact))
         assert abs(ours - true) < 1e-4 * 463
-    (sentence,) = prsm.dynamics.neglected_inertia(found)
-    assert "where the load reverses while the screw turns: once" in sentence
+    (sentence,) = prsm.dynamics.neglected_inertia(found, mission)
+    assert "reverses while the screw turns: once" in sentence
