@@ -101,7 +101,8 @@ mission = prsm.Scenario(
 )
 quasi_steady = eqx.filter_jit(lambda m, s: prsm.simulate(m, s, method="quasi_steady"))
 flight = quasi_steady(mechanism, mission)
-print(f"estimated error of the carrier ratio {flight.solver.error_estimate:.1e}")
+error = flight.solver.error_estimate
+print(f"estimated error of the carrier speed over the highest screw speed: {error:.1e}")
 print(f"largest error of the power balance {flight.power_balance_residual.max():.1e}")
 report.power_history_chart(mechanism, flight)
 
