@@ -35,11 +35,11 @@ def steady():
 
 
 def test_energies_of_each_direction(steady):
-    """8 N·m at 100 rad/s sin(πt) over 2 s: each half gives ∫ = 1600/π J; the load is a cosine."""
+    """8 N·m at 100 rad/s (sin πt + 1/2) over 2 s, which is negative for 2/3 s; the load is a cosine."""
     wave = jnp.pi * steady.time
     run = _made(
         steady,
-        screw_speed=100.0 * jnp.sin(wave),
+        screw_speed=100.0 * jnp.sin(wave) + 50.0,
         drive_torque=8.0 + 0 * wave,
         load_power=300.0 * jnp.cos(wave) + 100.0,
     )
@@ -50,12 +50,14 @@ def test_energies_of_each_direction(steady):
     # 100 + 300 cos x vanishes at x = arccos(−1/3) = a and 2π − a.
     a = np.arccos(-1 / 3)
     to_load = 2 * (100 * a + 300 * np.sin(a)) / np.pi
+    # −∫ (800 sin x + 400) dx/π from 7π/6 to 11π/6.
+    to_drive = (800 * np.sqrt(3) - 800 * np.pi / 3) / np.pi
     expected = {
-        "from_drive": 1600 / np.pi,
-        "to_drive": 1600 / np.pi,
+        "from_drive": to_drive + 800.0,
+        "to_drive": to_drive,
         "to_load": to_load,
         "from_load": to_load - 200.0,
-        "drive": 0.0,
+        "drive": 800.0,
         "load": 200.0,
     }
     # Simpson's rule over the kinks, which do not lie at samples.

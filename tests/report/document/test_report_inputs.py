@@ -118,5 +118,5 @@ def test_without_a_file_there_is_no_source():
     data = ReportData(file.load("wu2022"), "x", origin=Origin())
     section = inputs_section(data)
     assert {table.head for table in section.tables} == {("input", "value", "meaning")}
-    assert "source is not known" in " ".join(section.paragraphs)
+    assert "the sources of its values are not known" in " ".join(section.paragraphs)
     assert dataclasses.replace(data).source == ""
