@@ -35,7 +35,7 @@ def steady():
 
 
 def test_energies_of_each_direction(steady):
-    """8 N·m at 100 rad/s (sin πt + 1/2) over 2 s, which is negative for 2/3 s; the load is a cosine."""
+    """8 N·m at 100 rad/s (sin πt + 1/2), negative for 2/3 of 2 s; the load is a cosine."""
     wave = jnp.pi * steady.time
     run = _made(
         steady,
