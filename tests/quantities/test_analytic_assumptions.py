@@ -97,6 +97,14 @@ def test_given_capacities_and_stiffnesses_assume_nothing():
     assert _equal(example("wu2022"), "max_pressure")
 
 
+@pytest.mark.parametrize("name", ["static_capacity", "static_safety"])
+def test_a_static_capacity_names_the_load_under_which_threads_share(name):
+    words = "under the largest load of the file"
+    (sentence,) = [x for x in prsm.assumptions(example("actuator"), [name]) if words in x]
+    assert "compute the capacity at a load near it" in sentence
+    assert not any(words in one for one in prsm.assumptions(_design(), [name]))
+
+
 def test_real_sharing_leaves_only_what_still_counts_the_mean_thread():
     mechanism = example("actuator_load_sharing")
     (of_secant,) = prsm.assumptions(mechanism, ["axial_stiffness"])

@@ -176,25 +176,30 @@ def _both_ways(summary: dict[str, Any], end: str) -> bool:
     return all(one is not None and float(one) > _NOTHING * total for one in ways)
 
 
+#: By end: what flows in each direction and what remains, with their keys; and the net energy
+#: where all of it flows in one direction.
+_ENERGIES = {
+    "drive": (
+        ("energy supplied by the drive", "energy_from_drive_j"),
+        ("energy taken back by the drive", "energy_to_drive_j"),
+        ("net energy from the drive", "drive_energy_j"),
+        "energy from the drive",
+    ),
+    "load": (
+        ("energy taken by the load", "energy_to_load_j"),
+        ("energy given back by the load", "energy_from_load_j"),
+        ("net energy to the load", "load_energy_j"),
+        "energy to the load",
+    ),
+}
+
+
 def _energies(summary: dict[str, Any]) -> list[Line]:
     """Energies at drive and load: one line where they flow in one direction, or their parts."""
     rows: list[Line] = []
-    if _both_ways(summary, "drive"):
-        rows += [
-            ("energy supplied by the drive", summary["energy_from_drive_j"], "J"),
-            ("energy taken back by the drive", summary["energy_to_drive_j"], "J"),
-            ("net energy from the drive", summary["drive_energy_j"], "J"),
-        ]
-    else:
-        rows.append(("energy from the drive", summary["drive_energy_j"], "J"))
-    if _both_ways(summary, "load"):
-        rows += [
-            ("energy taken by the load", summary["energy_to_load_j"], "J"),
-            ("energy given back by the load", summary["energy_from_load_j"], "J"),
-            ("net energy to the load", summary["load_energy_j"], "J"),
-        ]
-    else:
-        rows.append(("energy to the load", summary["load_energy_j"], "J"))
+    for end, (*parts, alone) in _ENERGIES.items():
+        shown = parts if _both_ways(summary, end) else [(alone, parts[-1][1])]
+        rows += [(words, summary[key], "J") for words, key in shown]
     return rows
 
 
