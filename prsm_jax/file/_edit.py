@@ -54,17 +54,19 @@ def edit(
     anew = dumps(mechanism, quantity_units)
     try:
         import tomlkit
+        from tomlkit.exceptions import TOMLKitError
     except ModuleNotFoundError as error:
         raise missing_extra("file", "editing mechanism files", error) from error
     before = tomllib.loads(unread_text(loads(text), quantity_units))
     after = tomllib.loads(anew)
-    document = tomlkit.parse(text)
     try:
+        # Versions before 0.15.1 cannot read a stage whose tables are not next to one another.
+        document = tomlkit.parse(text)
         _change(document, before, after)
         edited = tomlkit.dumps(document)
         # The edited text must describe the same mechanism.
         same = unread_text(loads(edited), quantity_units) == anew
-    except (FileError, KeyError, IndexError, TypeError):
+    except (FileError, KeyError, IndexError, TypeError, TOMLKitError):
         same = False
     new = edited if same else anew
     changed = tuple(_changed(before, after, ""))

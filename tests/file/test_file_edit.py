@@ -4,6 +4,7 @@ import difflib
 
 import numpy as np
 import pytest
+from tomlkit.exceptions import TOMLKitError
 
 from prsm_jax import file
 from prsm_jax.file import apply_settings, edit, round_in_unit
@@ -135,6 +136,17 @@ stiffness_factor = 0.9  # soft
     assert names == ["stage.unequal_roller.3.stiffness_factor", "duty_cycle.1.load"]
     apply_settings(file.loads(text), [f"{names[0]}=0.7"])
     assert "soft" not in edited
+
+
+def test_what_the_library_of_edits_cannot_read_is_written_anew(monkeypatch):
+    def refuse(_):
+        raise TOMLKitError("Key already exists.")
+
+    monkeypatch.setattr("tomlkit.parse", refuse)
+    mechanism = apply_settings(file.loads(COMMENTED), ["lead=11.25 mm"])
+    edited = edit(COMMENTED, mechanism, by="it")
+    assert "# The file was written anew, without the comments" in edited
+    assert file.dumps(file.loads(edited)) == file.dumps(mechanism)
 
 
 def test_a_truth_value_loses_its_comment():
