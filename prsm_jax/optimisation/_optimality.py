@@ -58,6 +58,9 @@ def optimality(
     - `values`, `jacobian`: of the constraint rows (rows; rows × variables).
     - `lower`, `upper`: limits of the rows; infinite where there is none, equal for an equality.
     - `active_tolerance`: a limit nearer than this is active.
+
+    **Returns:** an `Optimality`; all arguments and results are without units, as scaled by the
+    search.
     """
     equality = lower == upper
     at_lower = ~equality & (values - lower <= active_tolerance)

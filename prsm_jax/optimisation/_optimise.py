@@ -75,9 +75,9 @@ def optimise(
 
     - `mechanism`: the mechanism; the first start is its present design, moved into the bounds.
     - `variables`: (lower, upper) bounds [SI] by the name of a parameter, or `Variable` objects.
-    - `maximise`, `minimise`: a quantity, or weights by quantity; together they form one sum. A
-      function of a mechanism that returns one number may stand for the name of a quantity, here
-      and in `constraints`.
+    - `maximise`, `minimise`: a quantity, or weights by quantity; together they form one sum of
+      weight × value [SI], with a minus for what is maximised. A function of a mechanism that
+      returns one number may stand for the name of a quantity, here and in `constraints`.
     - `constraints`: (lower, upper) limits [SI] by quantity, `None` for no limit, one number for an
       equality; or `Constraint` objects. A quantity with components is limited in each.
     - `choices`: lists of values [SI] to choose from, by the name of a parameter, such as

@@ -15,7 +15,7 @@ from ._variants import parts_of, variant_of
 
 _OPERATING_POINT = (
     "All designs of the study are at the operating point of the mechanism; nut_speed, "
-    "operating_points, tolerance_sigmas and avoid_warnings of [optimise] are not used."
+    "operating_points and tolerance_sigmas of [optimise] are not used."
 )
 _CONTACT_MODES = (
     "A frequency lowest_mesh_… is that of the lowest mode with more than half of its strain energy "
@@ -79,8 +79,8 @@ def study(
        each of its points.
     4. The front without parts of the physics, and its designs computed with complete physics.
 
-    The study refers to the mechanism's operating point; `nut_speed`, `operating_points`,
-    `tolerance_sigmas` and `avoid_warnings` of the design problem are not used.
+    The study refers to the mechanism's operating point; `nut_speed`, `operating_points` and
+    `tolerance_sigmas` of the design problem are not used. Its `avoid_warnings` holds for the front.
 
     **Arguments:**
 
@@ -128,6 +128,7 @@ def study(
                 starts=searches,
                 seed=0 if own is None else own.seed,
                 points=front_points,
+                avoid_warnings=False if own is None else own.avoid_warnings,
             ),
             progress=lambda done, total: tell(what, done, total),
         )

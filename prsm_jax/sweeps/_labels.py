@@ -211,7 +211,14 @@ class CodeCounts(NamedTuple):
 
 
 def count_codes(data: "xarray.Dataset") -> CodeCounts:
-    """Count the codes of a sweep, piece by piece, so that memory does not grow with the designs."""
+    """Count the codes of a sweep, piece by piece, so that memory does not grow with the designs.
+
+    **Arguments:**
+
+    - `data`: a sweep, as `sweep` returns it or `open_store` opens it.
+
+    **Returns:** a `CodeCounts`.
+    """
     names = {key: str(data[key].attrs["flag_meanings"]).split() for key in ("code", "error")}
     counts = {key: np.zeros(len(words), int) for key, words in names.items()}
     dimensions = tuple(map(str, data["code"].dims))

@@ -10,7 +10,7 @@ import pytest
 import scenes
 
 import prsm_jax as prsm
-from prsm_jax import MissingDataError, UnknownNameError
+from prsm_jax import MissingDataError, UnknownNameError, file
 from prsm_jax.mechanism import Constraint
 from prsm_jax.quantities import _catalogue, quantity
 from prsm_jax.studies import cosine, study
@@ -384,3 +384,21 @@ def test_what_is_refused(given, message, monkeypatch):
     with pytest.raises(ValueError, match=message) as caught:
         study(scenes.example("actuator"), **given)
     assert isinstance(caught.value, UnknownNameError) == ("without" in given)
+
+
+@pytest.mark.parametrize("avoids", [False, True])
+def test_warnings_are_limits_of_the_front_where_the_file_says_so(monkeypatch, avoids):
+    seen = []
+
+    def stop(mechanism, *, problem, progress):
+        seen.append(problem.avoid_warnings)
+        raise StopIteration
+
+    text = file.example_text("wu2022") + "\n[optimise]\nmaximise = 'efficiency'\n"
+    text += "avoid_warnings = true\n" if avoids else ""
+    text += "[[optimise.variable]]\nname = 'lead'\nlower = '9 mm'\nupper = '11 mm'\n"
+    monkeypatch.setattr("prsm_jax.studies._study.pareto", stop)
+    monkeypatch.setattr("prsm_jax.studies._study.map_over_drivers", lambda *_: (None, None))
+    with pytest.raises(StopIteration):
+        study(file.loads(text), ["lead", "contact_angle"])
+    assert seen == [avoids]

@@ -43,6 +43,8 @@ def solid_mass(mechanism: Mechanism, body: StepBody, *, stage: int = 1) -> Solid
 
     - `mechanism`, `body`, `stage`: as for `write_step`.
 
+    **Returns:** a `SolidMass`.
+
     **Raises:** as `solid_volume`.
     """
     volume = 1e-9 * threaded_body(mechanism, body, stage).volume

@@ -45,7 +45,7 @@ class Objective:
     sense: Literal["maximise", "minimise"] = choice(
         'direction: "maximise" or "minimise"', default="minimise"
     )
-    weight: float = choice("weight in the sum", default=1.0)
+    weight: float = choice("weight in the sum of values in SI units", default=1.0)
     over: Literal["mean", "worst"] = choice(
         'over several operating points: "mean" by their shares, or "worst" of them', default="mean"
     )

@@ -69,10 +69,15 @@ class PowerHistory:
 
 
 def power_history(mechanism: Mechanism, run: Transient) -> PowerHistory:
-    """Powers of a transient.
+    """Powers of a transient [W], at its samples.
 
     The rate of the kinetic energy is the remainder of the power balance, whose residual the
     transient reports.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism that was simulated.
+    - `run`: its transient, not a batch.
     """
     motor = np.asarray(run.drive_torque) * np.asarray(run.screw_speed)
     load = -np.asarray(run.load) * nut_speed(mechanism, run)
@@ -90,6 +95,11 @@ def energy_flow(mechanism: Mechanism, run: Transient) -> PowerFlow:
     Energy that the motor supplies and energy that it takes back while it brakes are counted
     separately; likewise for the load. Moving masses count with their net gain or loss of energy at
     the end, unless that is less than a ten-thousandth of the total.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism that was simulated.
+    - `run`: its transient, not a batch.
     """
     powers = power_history(mechanism, run)
 

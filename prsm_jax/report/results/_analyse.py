@@ -129,6 +129,8 @@ def analyse(
     - `improved`: the optimised mechanism; it is analysed as well.
     - `transient`: whether to simulate, where the operating point has a duration.
     - `origin`: the file of the mechanism, and author, revision and date.
+
+    **Returns:** a `ReportData`.
     """
     original = mechanism
     if mechanism.design_problem is not None:
