@@ -28,6 +28,7 @@ from .histories import (
     energy as energy,
     error_in_words as error_in_words,
     integral as integral,
+    known_efficiency as known_efficiency,
     mean_efficiency as mean_efficiency,
     neglected_inertia as neglected_inertia,
     peak as peak,

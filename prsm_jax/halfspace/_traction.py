@@ -83,7 +83,9 @@ def partial_slip(
     - `tolerance`, `max_iterations`: as in `solve_contact`.
     """
     mu = jnp.asarray(coefficient, gap.dtype)
-    tangential = jnp.maximum(jnp.asarray(force, gap.dtype), 0.0)
+    asked = jnp.asarray(force, gap.dtype)
+    # At a tie `maximum` has half of the derivative: at Q = 0 half of the compliance.
+    tangential = jnp.where(asked < 0, 0.0, asked)
     limit = mu * contact.load
     sliding = tangential >= limit
     remaining = jnp.where(sliding, 0.0, contact.load - tangential / jnp.where(sliding, 1.0, mu))
@@ -100,7 +102,7 @@ def partial_slip(
         traction=mu * (contact.pressure - inner.pressure),
         stick=inner.contact,
         slip=contact.contact & ~inner.contact,
-        force=jnp.minimum(tangential, limit),
+        force=jnp.where(sliding, limit, tangential),
         sliding=sliding,
         approach_difference=contact.approach - inner.approach,
         code=inner.code,

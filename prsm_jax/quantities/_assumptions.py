@@ -1,16 +1,17 @@
 """Assumptions behind the results, as plain sentences, for the requested quantities only.
 
 An assumption is a function of one stage that returns its sentence, or `None` where it does not
-apply to the stage. Quantities name theirs in their declaration (`assumes=…`).
+apply; `OF_MECHANISM` has those of a whole mechanism. Quantities name theirs (`assumes=…`).
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection
 
 from .._errors import MissingDataError
 from ..dynamics import has_contact_losses
 from ..geometry import flanks_end
 from ..mechanism import Mechanism, Stage, material_of
 from ..strength import cuts_fatigue, is_preloaded, split_nut_of
+from ._mechanism_assumptions import OF_MECHANISM
 
 Sentence = Callable[[Stage], str | None]
 
@@ -24,7 +25,7 @@ def assumption(name: str) -> Callable[[Sentence], Sentence]:
     """
 
     def register(function: Sentence) -> Sentence:
-        if name in _ASSUMPTIONS:
+        if name in _ASSUMPTIONS or name in OF_MECHANISM:
             raise ValueError(f"the assumption {name!r} exists already; choose another name")
         _ASSUMPTIONS[name] = function
         return function
@@ -37,12 +38,12 @@ def known_assumption(name: str) -> str:
 
     **Raises:** `ValueError` if no assumption has this name.
     """
-    if name not in _ASSUMPTIONS:
+    if name not in _ASSUMPTIONS and name not in OF_MECHANISM:
         raise ValueError(f"unknown assumption {name!r}; choose one of {', '.join(_ASSUMPTIONS)}")
     return name
 
 
-def sentences(mechanism: Mechanism, names: Iterable[str]) -> tuple[str, ...]:
+def sentences(mechanism: Mechanism, names: Collection[str]) -> tuple[str, ...]:
     """Sentences of assumptions, each once; its stages are named unless it holds for all.
 
     **Arguments:**
@@ -51,7 +52,8 @@ def sentences(mechanism: Mechanism, names: Iterable[str]) -> tuple[str, ...]:
     - `names`: names of the assumptions.
     """
     stages: dict[str, list[int]] = {}
-    for name in names:
+    whole = [OF_MECHANISM[name](mechanism) for name in names if name in OF_MECHANISM]
+    for name in (one for one in names if one in _ASSUMPTIONS):
         for number, stage in enumerate(mechanism.stages, start=1):
             text = _ASSUMPTIONS[name](stage)
             approximated = name in _OF_ELLIPSES and text is not None
@@ -65,7 +67,7 @@ def sentences(mechanism: Mechanism, names: Iterable[str]) -> tuple[str, ...]:
             return sentence
         return f"Stage {', '.join(map(str, sorted(numbers)))}: {sentence}"
 
-    return tuple(with_stages(sentence, numbers) for sentence, numbers in stages.items())
+    return (*(with_stages(*one) for one in stages.items()), *filter(None, whole))
 
 
 def has_contacts(stage: Stage) -> bool:

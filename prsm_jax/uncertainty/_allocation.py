@@ -93,6 +93,11 @@ class Allocation(Shown):
         best = None if self.verification is None else self.verification.best
         if best is not None and best.yield_share is not None and best.yield_error is not None:
             words += f", Monte Carlo {100 * best.yield_share:.5g} ± {100 * best.yield_error:.1g} %"
+            if best.not_counted:
+                words += (
+                    f"\nof {best.samples} designs, those that fail or have an error are not "
+                    f"within the limits: {', '.join(best.not_counted)}"
+                )
         return words
 
 

@@ -52,6 +52,15 @@ class MethodResult:
         return sum(self.reasons.values())
 
     @property
+    def not_counted(self) -> list[str]:
+        """Why designs do not count as within all limits, other than by a limit, in words."""
+        return [
+            f"{kind}{name.replace('_', ' ')} ({n})"
+            for kind, counts in (("", self.reasons), ("prsm check: ", self.errors))
+            for name, n in counts.items()
+        ]
+
+    @property
     def valid(self) -> bool:
         """Whether there are numbers: propagated from a design that did not fail, or sampled."""
         return self.failed < max(self.samples, 1)
@@ -215,8 +224,7 @@ class ToleranceAnalysis(Shown):
             lines.append(f"\nwithin all limits ({METHOD_WORDS[self.method]}): {words}")
         if self.best.samples:
             lines.append(f"\n{self.best.samples} designs, {self.best.failed} failed")
-            for kind, counts in (("", self.best.reasons), ("prsm check: ", self.best.errors)):
-                lines += [f"{kind}{name.replace('_', ' ')} ({n})" for name, n in counts.items()]
+            lines += self.best.not_counted
         propagated = [one for name, one in self.methods.items() if name != "monte_carlo"]
         if not all(one.valid for one in propagated):
             lines.append("not valid: the design in the middle of the tolerances fails")

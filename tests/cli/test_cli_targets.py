@@ -232,6 +232,62 @@ def test_a_mission_without_power_has_no_efficiency(prsm, prsm_json):
     assert dragged["efficiency %"] == ["0", "0"]
 
 
+#: A screw under no torque, with what its load and its motion at the start are.
+_FREE = """
+[[stage]]
+roller_count = 10
+engaged_threads = 20
+sharing = "equal"
+thread = { lead = "10 mm", starts = 5, roller_radius = "4 mm", contact_angle = "45 deg" }
+material = { youngs_modulus = "210 GPa", poisson_ratio = 0.3, density = "7850 kg/m^3" }
+screw = { length = "350 mm", bore_radius = "4 mm" }
+roller = { length = "50 mm" }
+nut = { length = "80 mm", wall_thickness = "10 mm" }
+carrier = { count = 2, length = "4 mm", radial_width = "6 mm" }
+
+[stage.friction.thread]
+law = "coulomb"
+coefficient = 0.06
+
+[scenario]
+duration = "1 s"
+samples = 201
+torque = "0 N*m"
+"""
+
+
+def test_a_ratio_at_standstill_is_no_efficiency(prsm, prsm_json, tmp_path):
+    """12 kN fall from rest: no ratio there; later all their power is lost or in masses."""
+    path = tmp_path / "falls.toml"
+    text = _FREE.replace("1 s", "20 ms").replace("201", "21")
+    path.write_text(text + 'load = "12 kN"\n')
+    found = prsm_json("simulate", str(path))
+    assert found["efficiency"] == [None] + [0] * 20
+    _, out, _ = prsm("simulate", str(path))
+    assert re.search(r"^efficiency % +– +0$", out, re.MULTILINE)
+
+
+def test_carriers_that_turn_alone_have_a_speed(prsm, prsm_json, tmp_path):
+    """Drag of 0.05 N·m stops the screw; carriers of no load go on, with the energy not lost."""
+    path = tmp_path / "coasts.toml"
+    path.write_text(
+        _FREE.replace(
+            "[stage.friction.thread]",
+            '[stage.friction.drag]\ntorque = "0.05 N*m"\n\n[stage.friction.thread]',
+        )
+        + 'initial_speed = "157 rad/s"\n'
+        '\n[scenario.load]\nkind = "hinge"\nconstant = "0 N"\nstiffness = "0 N/m"\n'
+    )
+    found = prsm_json("simulate", str(path))
+    ((*_, speed),) = found["carrier_speed_rad_per_s"]
+    assert found["screw_speed_rad_per_s"][-1] == 0
+    assert speed > 50
+    _, out, _ = prsm("simulate", str(path))
+    rows = {cells[0]: cells[1:] for cells in (re.split(r"\s{2,}", x) for x in out.splitlines())}
+    assert rows["stage 1: carrier ratio"][1] == "–"
+    assert float(rows["stage 1: carrier speed rpm"][1]) == pytest.approx(speed * 30 / np.pi, 1e-5)
+
+
 def test_a_torque_at_standstill_is_said_to_be_without_friction(prsm):
     """7 kN times the lead of 10 mm over 2π, which no friction of a motion changes."""
     _, out, _ = prsm("simulate", "wu2022", "--set", "speed=0 rpm")

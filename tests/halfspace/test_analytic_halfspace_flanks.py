@@ -95,7 +95,7 @@ def test_partial_slip_against_cattaneo_and_mindlin():
 
 def test_nothing_sticks_without_friction():
     """μ = 0 with and without a force: no traction, and derivatives that are numbers."""
-    _, gap, found = _on_grid(100.0, 100.0)
+    exact, gap, found = _on_grid(100.0, 100.0)
 
     def values(given):
         slip = partial_slip(found, gap, MODULUS, given[0], given[1], tolerance=1e-12)
@@ -117,6 +117,10 @@ def test_nothing_sticks_without_friction():
     np.testing.assert_allclose(value[:2, 1], 1e6 * whole, rtol=1e-6)
     assert jnp.all(jnp.isfinite(forward))
     np.testing.assert_allclose(forward, reverse, rtol=1e-7, atol=1e-9)
+    # At Q = 0 the normal compliance 1/(2aE*) over μ, from which `displacement` has that of Mindlin;
+    # half of it would be the derivative of a tie.
+    compliance = 1 / (2 * 0.2 * float(exact.semi_major) * float(MODULUS))
+    assert forward[2, 1, 1] == pytest.approx(1e6 * compliance, rel=1e-2)
     none = _slip(found, gap, MODULUS, array(0.0), array(0.0))
     assert (float(none.force), int(none.code), bool(none.sliding)) == (0.0, 3, True)
     assert jnp.array_equal(none.slip, found.contact)

@@ -279,3 +279,17 @@ def test_equal_beside_a_table_is_a_contradiction():
     found = _finding(prsm.Mechanism((stage,), example("actuator_load_sharing").operating_point))
     assert found.severity == "warning"
     assert "remove one" in found.message
+
+
+@pytest.mark.parametrize("name", ["natural_frequencies", "lowest_critical_speed"])
+def test_modes_of_stages_say_that_they_leave_out_the_axis(name):
+    """The axis has a mode at 117.9 Hz; the stages alone have none below 983 Hz."""
+    words, mechanism = "leave out [axis]", example("actuator_axis")
+    (said,) = (one for one in prsm.assumptions(mechanism, [name]) if words in one)
+    assert "--spatial" in said
+    for silent in ("first_axial_frequency", "efficiency"):
+        assert not any(words in one for one in prsm.assumptions(mechanism, [silent]))
+    empty = dataclasses.replace(present(mechanism.axis), motor=None, shaft=None, load=None)
+    for axis in (None, empty):
+        rigid = dataclasses.replace(mechanism, axis=axis)
+        assert not any(words in one for one in prsm.assumptions(rigid, [name]))

@@ -1,5 +1,6 @@
 """Tolerances of least cost: Lagrange's closed form, optimality by perturbation, Monte Carlo."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -45,6 +46,22 @@ def test_one_limit_has_the_closed_form_of_lagrange():
     assert best.yield_error < 2e-3
     assert f"Monte Carlo {100 * best.yield_share:.5g}" in allocation.text()
     assert allocation.to_dict()["yield_monte_carlo"] == best.yield_share
+
+
+def test_errors_of_check_are_named_beside_the_yield():
+    """Designs that fail or have an error lower the yield, and no width of the limit explains it."""
+    allocation = allocate_tolerances(
+        MECHANISM, 0.99, {LINEAR: (None, 3.5)}, tolerances=ROWS, findings=False
+    )
+    check = allocation.verification
+    assert "fail or have an error" not in allocation.text()
+    best = dataclasses.replace(check.best, reasons={"not_finite": 2}, errors={"pointed_tooth": 31})
+    worse = dataclasses.replace(check, methods={**check.methods, check.method: best})
+    words = dataclasses.replace(allocation, verification=worse).text()
+    assert words.endswith(
+        f"of {best.samples} designs, those that fail or have an error are not within the "
+        "limits: not finite (2), prsm check: pointed tooth (31)"
+    )
 
 
 def test_two_limits_cannot_be_met_at_less_cost():

@@ -1,6 +1,7 @@
 """The verb simulate: time histories of a mission, and its demands on motor and mechanism."""
 
 import dataclasses
+import math
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,6 +17,7 @@ from ...dynamics import (
     energy,
     error_in_words,
     integral,
+    known_efficiency,
     mean_efficiency,
     neglected_inertia,
     simulate as run_transient,
@@ -64,7 +66,8 @@ def transient_results(run: Transient) -> dict[str, Any]:
         "screw_speed_rad_per_s": run.screw_speed,
         "load_n": run.load,
         "carrier_ratio": run.carrier_ratio,
-        "efficiency": run.efficiency,
+        "carrier_speed_rad_per_s": run.carrier_speed,
+        "efficiency": known_efficiency(run),
         "drive_torque_nm": run.drive_torque,
         "screw_roller_axial_force_n": run.screw_roller_axial_force,
         "contact_force_n": run.contact_force,
@@ -288,15 +291,23 @@ def _moves_at_an_end(run: Transient) -> bool:
 
 
 def _ends(run: Transient) -> list[tuple[str, float | None, float | None]]:
-    # The history has 0 in place of 0/0. At standstill it has that of the motion about to begin.
-    has_one = _takes_power(run) | np.asarray((run.efficiency != 0) | (run.drive_torque != 0))
-    efficiencies = [100 * float(run.efficiency[k]) if has_one[k] else None for k in (0, -1)]
+    efficiency = known_efficiency(run)
+    speed, carriers = np.asarray(run.screw_speed), np.asarray(run.carrier_speed)
+    ends = (0, -1)
+    first, last = (None if np.isnan(efficiency[k]) else 100 * float(efficiency[k]) for k in ends)
     rows: list[tuple[str, float | None, float | None]] = [
-        ("efficiency %", efficiencies[0], efficiencies[1]),
+        ("efficiency %", first, last),
         ("drive torque N·m", float(run.drive_torque[0]), float(run.drive_torque[-1])),
     ]
-    for number, ratios in enumerate(run.carrier_ratio, start=1):
-        rows.append((f"stage {number}: carrier ratio", float(ratios[0]), float(ratios[-1])))
+    for number, (ratios, turning) in enumerate(
+        zip(np.asarray(run.carrier_ratio), carriers, strict=True), start=1
+    ):
+        coasts = [speed[k] == 0 and turning[k] != 0 for k in ends]
+        first, last = (None if coasts[k] else float(ratios[k]) for k in ends)
+        rows.append((f"stage {number}: carrier ratio", first, last))
+        if any(coasts):
+            first, last = (float(turning[k]) * 30 / math.pi for k in ends)
+            rows.append((f"stage {number}: carrier speed rpm", first, last))
     return rows
 
 

@@ -92,7 +92,9 @@ def hertz_contact(
 
     With κ = b/a: `a = [3 F E / (2π E* κ² (A + B))]^{1/3}`, `p₀ = 3F/(2πab)`,
     `δ = p₀ b K / E*` (Johnson 1985, chapter 4). Values and gradients are finite everywhere,
-    circular contact and zero load included.
+    circular contact and zero load included. At a circle the semi-axes have no derivative by
+    (B − A)²; there that of all results is set to 0, which leaves out a part of second derivatives
+    by A and B.
 
     **Arguments:**
 

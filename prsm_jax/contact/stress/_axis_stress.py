@@ -28,7 +28,8 @@ def axis_stress(
     - `max_pressure`: p₀ [Pa].
     - `poisson_ratio`: ν of this body.
 
-    **Returns:** σ along a, σ along b, σ in depth [Pa]; 0 without a load (semi-axes 0).
+    **Returns:** σ along a, σ along b, σ in depth [Pa]; 0 without a load (semi-axes 0). The rounding
+    error of the second one is about ε p₀ (a/b)², for the rounding ε.
     """
     unloaded = semi_minor <= 0
     semi_major, semi_minor = (jnp.where(unloaded, 1.0, axis) for axis in (semi_major, semi_minor))

@@ -1,6 +1,7 @@
 """Results of integrations, and quantities derived from them."""
 
 from ._integration import Settings as Settings, integrated as integrated
+from ._known_efficiency import known_efficiency as known_efficiency
 from ._power_entries import power_entries as power_entries, relative as relative
 from ._transient_quantities import (
     energy as energy,

@@ -7,6 +7,9 @@ import jax.numpy as jnp
 
 from ...fields import Scalar
 
+#: Torque, over that of the other end, which is 0 up to rounding.
+_NOTHING = 1e-12
+
 
 def relative(residual: Scalar, scale: Scalar) -> Scalar:
     """Residual over its scale; without load the absolute residual."""
@@ -39,9 +42,11 @@ def power_entries(
     driving = speed * load_torque >= 0
     useful = jnp.where(driving, load_torque, torque)
     spent = jnp.where(driving, torque, load_torque)
+    # A torque of 0, which the balance of forces gives up to rounding, spends nothing.
+    takes = jnp.abs(spent) > _NOTHING * jnp.abs(useful)
     return {
         "drive_torque": torque,
-        "efficiency": jnp.where(spent != 0, useful / jnp.where(spent != 0, spent, 1.0), 0.0),
+        "efficiency": jnp.where(takes, useful / jnp.where(takes, spent, 1.0), 0.0),
         "losses": losses,
         "load_power": load_power,
         "power_balance_residual": relative(imbalance, largest),

@@ -12,7 +12,7 @@ from .._analysis import Analysis
 from .._catalogue import quantity
 from ._operation import carrier_ratio
 
-_STIFFNESS = ("equal_stiffness", "secant_stiffness", "stiffness_without_preload")
+_STIFFNESS = ("equal_stiffness", "secant_stiffness", "stiffness_without_preload", "stages_alone")
 _frequency = functools.partial(quantity, assumes=_STIFFNESS, shares=("operating_point",))
 #: A mode is mesh-dominated when more than this share of its strain energy is in the contacts.
 _DOMINANT = 0.5

@@ -8,7 +8,6 @@ from ._history_chart import (
     history_chart as history_chart,
     integrated as integrated,
     is_constant as is_constant,
-    known_efficiency as known_efficiency,
     travel_of as travel_of,
 )
 from ._loss_chart import loss_chart as loss_chart

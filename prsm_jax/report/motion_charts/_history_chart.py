@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics import Transient, travel_per_radian
+from ...dynamics import Transient, known_efficiency, travel_per_radian
 from ...mechanism import Mechanism
 from ...text import DisplayUnit, display_unit, in_unit
 from .._parts import DASHES, legend_below, page_title
@@ -16,13 +16,8 @@ _STICK = "#dfe3e8"
 _ROW, _EXTRA = 33.0, 26.0
 #: Share of an axis between curves and frame.
 _APART = 0.02
-#: Below this share of the largest power, as while the motion reverses, acceleration and not
-#: friction decides the ratio of powers.
-_IDLE = 0.02
 #: Below this share of the largest speed, as while the motion reverses, no ratio of speeds is drawn.
 _SLOW = 0.01
-#: Rounding of an efficiency of 1.
-_ROUNDING = 1e-9
 #: Said below the diagrams if ratios have gaps.
 _GAPS = "gaps in ratios: near standstill, and in the efficiency where masses store or return energy"
 
@@ -93,24 +88,6 @@ def _while_moving(run: Transient, curves: Any) -> np.ndarray:
     return np.where(speed > _SLOW * speed.max(), np.asarray(curves), np.nan)
 
 
-def known_efficiency(mechanism: Mechanism, run: Transient) -> np.ndarray:
-    """The efficiency over time; NaN where the ratio of powers is none.
-
-    While masses are accelerated or return energy, this ratio leaves the range from 0 to 1, and
-    close to standstill it is a quotient of two small powers.
-    """
-    speed, share = np.asarray(run.screw_speed), np.asarray(run.efficiency)
-    load_power = np.asarray(run.load) * nut_speed(mechanism, run)
-    power = np.maximum(np.abs(np.asarray(run.drive_torque) * speed), np.abs(load_power))
-    known = (power > _IDLE * max(power.max(), 1e-300)) & (share >= 0) & (share <= 1 + _ROUNDING)
-    return np.where(known, share, np.nan)
-
-
-def _efficiency(mechanism: Mechanism, run: Transient) -> History:
-    share = known_efficiency(mechanism, run)
-    return History("efficiency", share[None], DisplayUnit("%", 100.0), 0)
-
-
 def histories(mechanism: Mechanism, run: Transient) -> list[History]:
     """All histories of a transient; the first four are those of motion and demand."""
     family = mechanism.stages[0].thread.family
@@ -123,7 +100,7 @@ def histories(mechanism: Mechanism, run: Transient) -> list[History]:
         _one("load", run.load, "N", 3),
         _stages("carrier ratio ω/Ω", _while_moving(run, run.carrier_ratio), "1"),
         _stages("contact force on a roller", run.contact_force, "N"),
-        _efficiency(mechanism, run),
+        History("efficiency", known_efficiency(run)[None], DisplayUnit("%", 100.0), 0),
         _stages(f"{teeth} on roller", run.ring_gear_force, "N"),
         _stages("spline friction", run.spline_friction, "N"),
         _stages("carrier on roller", run.carrier_force, "N"),
