@@ -12,6 +12,7 @@ from uncertainty_scenes import MECHANISM, TOLERANCES
 import prsm_jax as prsm
 from prsm_jax.mechanism import Tolerance
 from prsm_jax.uncertainty import allocate_tolerances
+from tests.present import present
 
 LINEAR, QUADRATIC = "uncertainty_linear", "uncertainty_quadratic"
 COSTS = (1.0, 8.0, 0.125)
@@ -53,7 +54,7 @@ def test_errors_of_check_are_named_beside_the_yield():
     allocation = allocate_tolerances(
         MECHANISM, 0.99, {LINEAR: (None, 3.5)}, tolerances=ROWS, findings=False
     )
-    check = allocation.verification
+    check = present(allocation.verification)
     assert "fail or have an error" not in allocation.text()
     best = dataclasses.replace(check.best, reasons={"not_finite": 2}, errors={"pointed_tooth": 31})
     worse = dataclasses.replace(check, methods={**check.methods, check.method: best})

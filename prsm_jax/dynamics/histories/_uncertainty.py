@@ -14,6 +14,8 @@ from ._transient_result import Transient
 
 #: From this share on, an error is stated as an assumption.
 _NOTABLE = 0.01
+#: From this share of the energy supplied on, an error of energies is: they are read to four digits.
+_NOTABLE_ENERGY = 0.001
 #: Largest shares of torque and energy at uncertain samples with which peaks and energies count as
 #: unaffected. In integrations of the example `actuator_mission` they change by less than a tenth
 #: of this.
@@ -91,7 +93,7 @@ def neglected_inertia(run: Transient, mechanism: Mechanism) -> tuple[str, ...]:
 def coarse_samples(run: Transient) -> tuple[str, ...]:
     """Assumption of energies that are integrals over too few samples.
 
-    That is, where Simpson's rule over every second sample changes one of them by more than 1 % of
+    That is, where Simpson's rule over every second sample changes one of them by more than 0.1 % of
     the energy supplied. Without the power of the load only those of the drive are compared.
 
     **Arguments:**
@@ -117,7 +119,7 @@ def coarse_samples(run: Transient) -> tuple[str, ...]:
             change = max(change, abs(fine - coarse))
         supplied += _simpson(step, np.maximum(power[:last], 0.0))
     share = _share(change, supplied)
-    if share <= _NOTABLE:
+    if share <= _NOTABLE_ENERGY:
         return ()
     return (
         f"Energies and the efficiency over the mission are integrals over {count} samples. With "

@@ -88,6 +88,11 @@ def test_energies_over_too_few_samples_are_named(steady):
     share = 100 * abs(coarse / fine - 1)
     printed = float(sentence.split("differs by ")[1].split(" %")[0])
     assert printed == pytest.approx(share, rel=0.05)
+    # One sample that is higher by 100 or 10 %: a weight of 4/3 among 400 intervals, 0.33 or 0.03 %.
+    for size, stated in ((100.0, True), (10.0, False)):
+        one = jnp.where(jnp.arange(401) == 9, 100.0 + size, 100.0)
+        run = _made(smooth, screw_speed=one, load_power=0 * time)
+        assert bool(prsm.dynamics.coarse_samples(run)) == stated
 
 
 def test_words_of_a_small_error_and_of_none(steady):
