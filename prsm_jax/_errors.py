@@ -36,11 +36,16 @@ def missing_extra(extra: str, purpose: str, error: ImportError) -> MissingExtraE
     )
 
 
+#: Least similarity (difflib) of a word that is suggested: "foo" and "tooth" have 0.5, "nofile" and
+#: "humanoid_leg" 0.56, "leed" and "lead" 0.75.
+_ALIKE = 0.6
+
+
 def closest(name: str, known, also=()) -> str:
     """A short hint that names the nearest known names; of `also`, if no known one is near."""
     import difflib
 
     known = sorted(known)
-    near = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
-    near = near or difflib.get_close_matches(name, sorted(also), n=3, cutoff=0.5)
+    near = difflib.get_close_matches(name, known, n=3, cutoff=_ALIKE)
+    near = near or difflib.get_close_matches(name, sorted(also), n=3, cutoff=_ALIKE)
     return f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(known)}"

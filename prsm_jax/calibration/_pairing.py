@@ -43,7 +43,8 @@ def paired(
             if len(here) > len(columns):
                 raise ValueError(
                     f"{len(here)} values of {name} were measured under the same conditions, and "
-                    f"the mechanism has {len(columns)}; remove those that belong to other modes"
+                    f"the mechanism has {len(columns)}; remove those that belong to other modes, "
+                    f"or give repeated measurements in a column per mode, such as {name}[2]"
                 )
             values = computed[place, columns]
             tiny = np.finfo(float).tiny

@@ -212,7 +212,10 @@ def calibration_problem(
         quantity, number = split_component(name)
         count = int(np.prod(shapes[quantity], dtype=int))
         if number is not None and not 1 <= number <= count:
-            raise UnknownNameError(f"{name}: the quantity has {count} component(s)")
+            many = f"{count} components; give [1] to [{count}]"
+            raise UnknownNameError(
+                f"{name}: the quantity has {'one component; give [1]' if count == 1 else many}"
+            )
         scale = _scale(name, values, deviations)
         # A row without a component number is paired with a component later.
         component = first[quantity] + (0 if number is None else number - 1)

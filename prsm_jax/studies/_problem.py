@@ -18,6 +18,7 @@ from ..mechanism import (
 )
 from ..quantities import available_quantities, find_quantity
 from ..sensitivities import DEFAULT_PARAMETERS
+from ..text import display_unit
 
 Sense: TypeAlias = Literal["maximise", "minimise"]
 #: Quantities of a study where none are given, with their senses.
@@ -188,7 +189,7 @@ def _drivers(mechanism: Mechanism, given: Any) -> tuple[Driver, ...]:
     complete = []
     for name, both in ranges.items():
         present, unit = _present(mechanism, name)
-        lower, upper = _range(mechanism, name, both, present)
+        lower, upper = _range(mechanism, name, both, present, unit)
         follows = follows_in_words(mechanism, name, names)
         complete.append(Driver(name, unit, lower, upper, present, follows))
     check_independent(mechanism, names)
@@ -209,7 +210,15 @@ def _present(mechanism: Mechanism, name: str) -> tuple[float, str]:
     return values[0], parameters[0].unit
 
 
-def _range(mechanism: Mechanism, name: str, both: Any, present: float) -> tuple[float, float]:
+def _ends(unit: str, *ends: float) -> str:
+    """Ends of a range as they may be typed: "12 mm to 8 mm"."""
+    shown = display_unit(unit, ends)
+    return " to ".join(f"{shown(end):.6g} {shown.label}".rstrip() for end in ends)
+
+
+def _range(
+    mechanism: Mechanism, name: str, both: Any, present: float, unit: str
+) -> tuple[float, float]:
     if both is None:
         if present == 0:
             raise ValueError(f"driver {name!r} is 0, so its value gives no range; give a range")
@@ -222,11 +231,11 @@ def _range(mechanism: Mechanism, name: str, both: Any, present: float) -> tuple[
             raise ValueError(
                 f"driver {name!r} has the range {both!r}; give (lower, upper)"
             ) from None
-    if not (math.isfinite(lower) and math.isfinite(upper) and lower < upper):
-        raise ValueError(
-            f"driver {name!r} has the range ({lower}, {upper}); give two finite numbers, the "
-            "smaller one first"
-        )
+    if not (math.isfinite(lower) and math.isfinite(upper)):
+        raise ValueError(f"driver {name!r} has the range ({lower}, {upper}); give finite numbers")
+    if not lower < upper:
+        remedy = "reverse them" if lower > upper else "the second end must be the larger one"
+        raise ValueError(f"driver {name!r} has the range {_ends(unit, lower, upper)}; {remedy}")
     for one in find_parameters(mechanism, name):
         for side, value in (("lower", lower), ("upper", upper)):
             check_number(f"driver {name!r}: ", f"{side} end", one.unit, value, one.limit)

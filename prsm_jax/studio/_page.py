@@ -132,8 +132,8 @@ class Page:
             await self._do(lambda: self._session.set(one.name, event.args), one, held=slider)
 
         async def typed(_: Any) -> None:
-            # An empty field is no number, and is refused as such.
-            await self._do(lambda: self._session.set(one.name, field.value or 0.0), one)
+            # The value of an empty field, or one with text, is None, which is refused.
+            await self._do(lambda: self._session.set(one.name, field.value), one)
 
         slider.on("update:model-value", dragged, throttle=_THROTTLE_S)
         slider.on("change", released)

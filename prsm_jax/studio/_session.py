@@ -94,10 +94,11 @@ class Session:
             raise PrsmError(f"unknown variable {name!r}; known: {known}")
         return found[0]
 
-    def move(self, name: str, shown: float | int) -> None:
+    def move(self, name: str, shown: float | int | None) -> None:
         """Move a variable, in the unit of the page, without a step that can be undone.
 
-        **Raises:** `PrsmError` beyond the limits; `ValueError` where it excludes another number.
+        **Raises:** `PrsmError` without a number, such as `None`, or beyond the limits;
+        `ValueError` where it excludes another number.
         """
         value = self.variable(name).read(shown)
         with self._lock:
@@ -111,7 +112,7 @@ class Session:
         with self._lock:
             self._become(self._history.committed())
 
-    def set(self, name: str, shown: float | int) -> None:
+    def set(self, name: str, shown: float | int | None) -> None:
         """Move a variable as one step; raises as `move`."""
         with self._lock:
             self.move(name, shown)

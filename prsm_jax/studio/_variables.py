@@ -38,15 +38,17 @@ class StudioVariable:
         """An SI value in the unit of the page."""
         return float(self.unit(value))
 
-    def read(self, shown: float | int) -> float:
+    def read(self, shown: float | int | None) -> float:
         """A value in the unit of the page in SI.
 
         **Raises:** `PrsmError` for one that is not a number or beyond the limits.
         """
         try:
-            value = float(shown) / self.unit.per_si
+            value = math.nan if shown is None else float(shown) / self.unit.per_si
         except (TypeError, ValueError):
             value = math.nan
+        if math.isnan(value):
+            raise PrsmError(f"{self.label} is not a number; give {self.limits}")
         # A limit that is typed may differ from the limit by rounding.
         for limit in (self.lower, self.upper):
             if math.isclose(value, limit, rel_tol=1e-12):

@@ -228,7 +228,11 @@ def test_a_start_that_cannot_be_computed_has_a_code():
         ({"data": {LOAD: [1.0, 2.0], "efficiency": [1.0]}}, "one number per row"),
         ({"data": {LOAD: [np.nan], "efficiency": [1.0]}}, "is nan in row 1"),
         ({"data": {LOAD: [1.0], "efficiency": [np.nan]}}, "NaN in all rows"),
-        ({"data": {"carrier_ratio[2]": [0.4, 0.4, 0.4]}}, "has 1 component"),
+        ({"data": {"carrier_ratio[2]": [0.4, 0.4, 0.4]}}, "has one component; give [1]"),
+        (
+            {"data": {"torsional_frequencies[0]": [2e3, 2e3, 2e3]}},
+            "torsional_frequencies[0]: the quantity has 4 components; give [1] to [4]",
+        ),
         ({"data": {"roller_count": [7.0] * 3, "efficiency": [0.4] * 3}}, "whole number"),
     ],
 )

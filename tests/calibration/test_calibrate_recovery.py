@@ -216,6 +216,20 @@ def test_a_support_from_frequencies_that_are_paired_with_modes():
     assert fit.residuals[0].labels == tuple(f"torsional_frequencies[{i + 1}]" for i in order)
 
 
+def test_repeated_measurements_of_frequencies_have_a_column_for_each_mode():
+    """In one column they are too many for the modes; the message names what to write."""
+    mechanism = plain()
+    (computed,) = prsm.compute(mechanism, ["torsional_frequencies"]).values()
+    repeats = np.asarray(computed) * np.array([[0.999], [1.0], [1.001]])
+    with pytest.raises(ValueError, match=r"12 values of .* has 4; remove") as caught:
+        calibrate(mechanism, {"torsional_frequencies": repeats.ravel()}, [SCREW])
+    assert str(caught.value).endswith("in a column per mode, such as torsional_frequencies[2]")
+    columns = {f"torsional_frequencies[{i + 1}]": repeats[:, i] for i in range(4)}
+    fit = calibrate(mechanism, columns, [SCREW])
+    assert fit.converged, fit.message
+    assert sorted(fit.residuals[0].labels) == sorted([*columns] * 3)
+
+
 def test_more_frequencies_than_modes_are_refused():
     with pytest.raises(ValueError, match="99 values of torsional_frequencies were measured"):
         calibrate(plain(), {"torsional_frequencies": np.linspace(1e3, 9e3, 99)}, [SCREW])

@@ -106,3 +106,11 @@ def test_an_unknown_number_names_its_option(prsm, words, message):
     status, out, err = prsm(*words)
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert err.startswith(f"prsm: {message}")
+
+
+def test_the_range_of_a_driver_has_its_smaller_end_first(prsm):
+    status, out, err = prsm("study", "lisowski2014", "--driver", "lead=0.5 in: 8 mm")
+    assert (status, out) == (2, "")
+    assert err == (
+        "prsm: --driver lead=0.5 in: 8 mm: the smaller end comes first; write 'lead=8 mm:0.5 in'\n"
+    )

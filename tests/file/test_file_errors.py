@@ -152,6 +152,7 @@ def test_files_that_cannot_be_read(tmp_path):
         (tmp_path, "is a folder"),
         (tmp_path / "absent.toml", "there is no such file"),
         ("wu2021", "did you mean wu2022"),
+        ("nofile", "nor an example of that name; known: actuator, "),
         ("\0", "there is no such file"),
         ("a" * 10_000, "too long"),
         ("/dev/zero", "there is no such file"),

@@ -355,7 +355,12 @@ def test_defaults_come_from_the_file():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"drivers": {"lead": (9e-3, 5e-3)}}, r"driver 'lead' has the range \(0.009, 0.005\)"),
+        ({"drivers": {"lead": (9e-3, 5e-3)}}, "'lead' has the range 9 mm to 5 mm; reverse them"),
+        (
+            {"drivers": {"contact_angle": (math.pi / 4, math.pi / 4)}},
+            "the range 45 deg to 45 deg; the second end must be the larger one",
+        ),
+        ({"drivers": {"lead": (9e-3, math.inf)}}, r"\(0.009, inf\); give finite numbers"),
         ({"drivers": {"lead": 9e-3}}, r"driver 'lead' has the range 0.009; give \(lower, upper\)"),
         ({"drivers": {"lead": (-1e-3, 5e-3)}}, "driver 'lead': lower end is -0.001 m"),
         ({"drivers": {"roller_count": (4, 9)}}, "whole number and has no derivative"),
@@ -376,6 +381,7 @@ def test_defaults_come_from_the_file():
         ({"front_points": 1001}, "front_points is 1001; give a whole number from 3 to 1000"),
         ({"starts": 0}, "starts is 0; give a whole number from 1 to 10000"),
         ({"without": ["spinn"]}, r"without names 'spinn', .* did you mean spin\?"),
+        ({"without": ["foo"]}, r"without names 'foo', .* does not have; known: .*tooth"),
     ],
 )
 def test_what_is_refused(given, message, monkeypatch):

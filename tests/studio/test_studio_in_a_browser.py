@@ -229,6 +229,11 @@ def test_the_studio_in_a_browser(tmp_path, small):
         _until(lambda: "give 35 to 55 deg" in _text(driver, "error"), "refusal")
         assert _field(driver, "contact_angle").get_attribute("value") == "47.5"
 
+        # So is a field that is emptied; no number was typed, so none is named.
+        _type(driver, "contact_angle", Keys.DELETE)
+        _until(lambda: "angle is not a number; give 35" in _text(driver, "error"), "refusal")
+        assert _field(driver, "contact_angle").get_attribute("value") == "47.5"
+
         # A search streams its way, is stopped, and its best design is taken; the page lives.
         _press(driver, "Keep this design as A")
         _press(driver, "Improve")

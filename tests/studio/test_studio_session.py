@@ -168,11 +168,17 @@ def test_a_move_that_was_not_committed_is_undone_too():
     assert history.committed().committed() == history.committed()
 
 
-@pytest.mark.parametrize("shown", [34.9, 55.1, math.nan, math.inf, "much", None])
+@pytest.mark.parametrize(
+    ("shown", "words"),
+    [
+        *((value, str(value)) for value in (34.9, 55.1, math.inf)),
+        *((value, "not a number") for value in (math.nan, "much", "", None)),
+    ],
+)
 @pytest.mark.usefixtures("unchecked")
-def test_values_beyond_the_limits_are_refused(session, shown):
+def test_values_beyond_the_limits_are_refused(session, shown, words):
     before = session.design
-    with pytest.raises(prsm.PrsmError, match=r"contact angle is .*; give 35 to 55 deg"):
+    with pytest.raises(prsm.PrsmError, match=f"contact angle is {words}; give 35 to 55 deg"):
         session.set("contact_angle", shown)
     assert session.design == before
     with pytest.raises(prsm.PrsmError, match="unknown variable 'lead'; known: contact_angle"):

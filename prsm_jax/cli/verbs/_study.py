@@ -33,6 +33,11 @@ def _drivers(mechanism: Mechanism, texts: list[str]) -> Any:
         if name in ranges:
             raise PrsmError(f"--driver {text}: {name} is given twice; remove one")
         both = [value_of(mechanism, name, end, f"--driver {text}") for end in ends if equals]
+        if equals and both[0] > both[1]:
+            upper, lower = (end.strip() for end in ends)
+            raise PrsmError(
+                f"--driver {text}: the smaller end comes first; write '{name}={lower}:{upper}'"
+            )
         ranges[name] = (both[0], both[1]) if equals else None
     return ranges or None
 
