@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from .._errors import UnknownNameError
 from ..quantities import quantity_of
 from ..text import DisplayUnit
@@ -38,6 +40,23 @@ def colour_bar(figure: Figure, image: Any, axes: Any, words: str, **style: Any) 
     bar.set_label(words, fontsize=SMALL)
     bar.outline.set_linewidth(0.4)
     return bar
+
+
+def map_of_one_value(axes: Axes, xs: np.ndarray, ys: np.ndarray, values: Any) -> Any:
+    """Colour of a quantity that is the same in all designs, which contours cannot show.
+
+    Each design colours a cell around it. Those at an edge are cut at the ends of the computed
+    ranges, so that the panel has the axes of panels with contours beside it.
+    """
+    known = np.ma.compressed(values)
+    # A colour bar would widen the range of its own panel alone, which changes the colour there.
+    value = float(known[0]) if known.size else 0.0
+    width = 0.1 * abs(value) or 0.1
+    style = {"cmap": "cividis", "vmin": value - width, "vmax": value + width}
+    image = axes.pcolormesh(xs, ys, values, shading="nearest", **style)
+    axes.set_xlim(xs.min(), xs.max())
+    axes.set_ylim(ys.min(), ys.max())
+    return image
 
 
 def legend_below(figure: Figure, handles: Sequence[Any], most: int = 7, **style: Any) -> None:

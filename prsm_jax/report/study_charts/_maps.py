@@ -6,7 +6,7 @@ import numpy as np
 
 from ...studies import DriverStudy
 from ...text import display_unit
-from .._parts import colour_bar, in_words, legend_below
+from .._parts import colour_bar, in_words, legend_below, map_of_one_value
 from .._style import SMALL, Figure, drawn, page_figure, readable
 from ._planes import handles_of, planes_of
 
@@ -70,4 +70,4 @@ def _fill(axes: Any, xs: np.ndarray, ys: np.ndarray, cut: Any, shown: np.ndarray
         filled = axes.contourf(xs, ys, cut, levels=levels, cmap="cividis", extend=extend)
         axes.contour(xs, ys, cut, levels=levels, colors="white", linewidths=0.4)
         return filled
-    return axes.pcolormesh(xs, ys, cut, shading="nearest", cmap="cividis")
+    return map_of_one_value(axes, xs, ys, cut)

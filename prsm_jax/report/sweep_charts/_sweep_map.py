@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from .._parts import colour_bar, in_words
+from .._parts import colour_bar, in_words, map_of_one_value
 from .._style import INK, SMALL, Figure, drawn, page_figure, readable
 from ._boundaries import draw_on_map, limit_entries
 from ._common import label_of, mark_best, place_in_words, sweep_legend, title_of, unit_of
@@ -109,14 +109,13 @@ def _draw(
     figure = page_figure(110 + 2.5 * len(limits), 150)
     axes = figure.add_subplot()
     shown = unit(values)
-    style: dict[str, Any] = {"cmap": "cividis"}
     masked = np.ma.masked_invalid(shown)
     if finite.min() < finite.max():
-        filled: Any = axes.contourf(xs, ys, masked, levels=14, **style)
+        filled: Any = axes.contourf(xs, ys, masked, levels=14, cmap="cividis")
         levels = filled.levels
         axes.contour(xs, ys, masked, levels=levels[::2], colors="white", linewidths=0.5)
     else:
-        filled = axes.pcolormesh(xs, ys, masked, shading="nearest", **style)
+        filled = map_of_one_value(axes, xs, ys, masked)
     bar = colour_bar(figure, filled, axes, "", shrink=1.0)
     bar.set_label(in_words(readable(quantity), unit))
     draw_on_map(axes, xs, ys, limits)

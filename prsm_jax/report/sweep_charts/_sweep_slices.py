@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from .._parts import colour_bar, page_title
+from .._parts import colour_bar, map_of_one_value, page_title
 from .._style import INK, SMALL, Figure, page_figure
 from ._boundaries import draw_on_map, limit_entries
 from ._common import (
@@ -127,6 +127,6 @@ def _plane(axes: Any, where: tuple[Any, Any], plane: np.ndarray, scale: np.ndarr
         return None
     masked = np.ma.masked_invalid(plane)
     if finite.min() == finite.max():
-        return axes.pcolormesh(*where, masked, shading="nearest", cmap="cividis")
+        return map_of_one_value(axes, *where, masked)
     levels = MaxNLocator(14).tick_values(finite.min(), finite.max())
     return axes.contourf(*where, masked, levels=levels, cmap="cividis")

@@ -166,6 +166,26 @@ def test_sweeps():
     chart.finish()
 
 
+def test_a_map_of_one_value_ends_where_the_sweep_ends():
+    """A panel of a constant quantity has the axes of its neighbours with contours."""
+    data = _dataset().isel(load=0, drop=True)
+    data["max_pressure"] = data["max_pressure"] * 0 + 2e9
+    ends = {"x": (5e-3, 20e-3, "m"), "y": (math.pi / 6, math.pi / 3, "rad")}
+    pieces = data["max_pressure"].expand_dims(mode=3, axis=-1).copy()
+    pieces[..., 1] = pieces[..., 1] + np.arange(6)[None, :] * 1e7
+    several = _coded(data.assign(max_pressure=pieces), "max_pressure")
+    alone, panels = sweep_map(data, "max_pressure"), sweep_figure(several, "max_pressure")
+    for figure, count in ((alone, 1), (panels, 3)):
+        chart = Chart(figure)
+        maps = [one for one in chart.axes if one.get_title() or one.get_title("left")]
+        assert len(maps) == count
+        for axes in maps:
+            for way, limits in (("x", axes.get_xlim()), ("y", axes.get_ylim())):
+                lower, upper, unit = ends[way]
+                found = chart.si(axes, way, np.array(limits), unit)
+                assert found == pytest.approx([lower, upper], rel=1e-12)
+
+
 def test_sweeps_name_no_design_with_an_error_the_best():
     """Dots where `check` finds an error; the star on the best of the others."""
     data = _dataset().isel(load=[0])

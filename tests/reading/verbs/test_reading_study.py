@@ -105,6 +105,22 @@ def test_maps(study):
     chart.finish()
 
 
+def test_maps_of_one_value_end_where_the_ranges_end(study):
+    """A row of a constant quantity has the axes of the rows with contours."""
+    constant = dict(study.map.values, mass=np.where(study.map.usable, 1.5, np.nan))
+    one_mass = dataclasses.replace(study.map, values=constant)
+    figure = study_maps(dataclasses.replace(study, map=one_mass))
+    panels = [one for one in figure.axes if one.get_xlabel()]
+    for number, axes in enumerate(panels):
+        for i, limits in zip(PAIRS[number % 3], (axes.get_xlim(), axes.get_ylim()), strict=True):
+            scale = {"m": 1e3, "rad": 180 / math.pi}[_of_unit(NAMES[i])]
+            ends = [scale * DRIVERS[i].lower, scale * DRIVERS[i].upper]
+            assert limits == pytest.approx(ends, rel=1e-12), (number, NAMES[i])
+    figure.draw_without_rendering()
+    colours = [one.collections[0].get_facecolor()[-1] for one in panels[6:]]
+    assert colours == [pytest.approx(colours[0])] * 3, "the colour bar is that of all three"
+
+
 def test_maps_without_a_refused_design(study):
     """Nothing is marked, and the panels fill the page."""
     shape = study.map.allowed.shape
