@@ -8,7 +8,7 @@ import numpy as np
 from ..text import in_unit, number, state_without_efficiency
 from ._gradients import change_in_words, words
 from ._parts import StudyParts
-from ._tables import tables_of, unit_of_quantity
+from ._tables import ROUNDING, tables_of, unit_of_quantity
 from ._variants import Variant
 
 #: Limits that conflict with an objective in this share of the map are named.
@@ -102,7 +102,7 @@ def _variant(study: StudyParts, one: Variant) -> str:
     parts = []
     for name in study.problem.senses:
         change = float(one.changes[name][0])
-        if not math.isfinite(change) or abs(change) < 1e-6:
+        if not math.isfinite(change) or abs(change) < ROUNDING:
             parts.append(f"{words(name)} is the same")
         else:
             side = "higher" if change > 0 else "lower"

@@ -10,6 +10,9 @@ from ._gradients import words
 from ._parts import StudyParts
 from ._variants import Variant, best_of
 
+#: Magnitude of a cosine, or of a change in %, below which it is the rounding of its parts.
+ROUNDING = 1e-6
+
 
 def tables_of(study: StudyParts) -> dict[str, tuple[TextTable, ...]]:
     """All tables, by the part of the study that they belong to."""
@@ -90,14 +93,19 @@ def _signed(value: float) -> str:
 
 
 def _percent(share: float) -> float:
-    return round(100 * share, 1) if math.isfinite(share) else math.nan
+    return 100 * share if math.isfinite(share) else math.nan
+
+
+def _unrounded(value: float) -> float:
+    """A number for the printer of the table, which rounds it; what rounding has left is 0."""
+    return 0.0 if abs(value) < ROUNDING else float(value)
 
 
 def _conflicts(study: StudyParts) -> TextTable:
     rows = []
     for one in study.conflicts:
         lowest, highest = one.range
-        numbers = [round(value, 3) for value in (one.present, lowest, highest)]
+        numbers = [_unrounded(value) for value in (one.present, lowest, highest)]
         shares = [_percent(one.share), _percent(one.share_allowed)]
         second = words(one.second) + (" (limit)" if one.limit else "")
         rows.append((words(one.first), second, *numbers, *shares))
@@ -196,7 +204,9 @@ def _changes(study: StudyParts) -> TextTable:
             change = 100 * one.changes[name]
             known = change[1:][np.isfinite(change[1:])]
             ends = [float(known.min()), float(known.max())] if known.size else [math.nan] * 2
-            rows.append((words(one.name), words(name), *(round(v, 3) for v in (change[0], *ends))))
+            rows.append(
+                (words(one.name), words(name), *(_unrounded(v) for v in (change[0], *ends)))
+            )
     return TextTable(
         "Relative change of quantities without a part of the physics, in %",
         ("without", "quantity", "present design", "front: lowest", "front: highest"),
