@@ -217,6 +217,7 @@ def test_report(run, monkeypatch, data, tmp_path):
     monkeypatch.setattr(report, "analyse", analyse)
     monkeypatch.setattr(report, "write_report", write)
     words = ("report", "wu2022", "--out", tmp_path / "a b", "--author", "N. N.", "--revision", "C")
+    words += ("--no-transient",)
     found, printed = run(*words, "--set", "lead=12 mm")
     assert found["report"] == str(tmp_path / "a b" / "report.html")
     assert found["status"] == "fail"
@@ -226,8 +227,8 @@ def test_report(run, monkeypatch, data, tmp_path):
     assert (origin.author, origin.revision, origin.settings) == ("N. N.", "C", ("lead=12 mm",))
     assert found["sha256"] == origin.sha256
     assert given["command"] == (
-        f"prsm report wu2022 --out '{tmp_path}/a b' --set 'lead=12 mm' --author 'N. N.' "
-        "--revision C"
+        f"prsm report wu2022 --out '{tmp_path}/a b' --set 'lead=12 mm' --no-transient "
+        "--author 'N. N.' --revision C"
     )
     printed.row("Status: fail")
     printed.row("check")

@@ -5,7 +5,7 @@ import json
 import shlex
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -80,9 +80,19 @@ class Signed:
         signed = {"author": self.author, "revision": self.revision, "date": today}
         return origin_of_file(file, settings=settings, **signed)
 
+    def words(self) -> list[str]:
+        """The options that give these fields."""
+        given = (("--author", self.author), ("--revision", self.revision))
+        return [word for name, value in given if value for word in (name, value)]
 
-def _read(file: str, common: Common, signed: Signed) -> tuple[Mechanism, "Origin"]:
-    """A mechanism and its origin.
+
+_UNSIGNED = Signed()
+
+
+def read_with_origin(
+    file: str, common: Common, signed: Signed = _UNSIGNED
+) -> tuple[Mechanism, "Origin"]:
+    """A mechanism, read and set as `Common.load` does, and its origin for a report.
 
     **Raises:** `PrsmError` if the file changes while it is read, since its hash would be wrong.
     """
@@ -93,17 +103,23 @@ def _read(file: str, common: Common, signed: Signed) -> tuple[Mechanism, "Origin
     return mechanism, origin
 
 
-def _command(verb: str, file: str, folder: Path, common: Common, signed: Signed) -> str:
-    """The command that made a report, as it can be entered again."""
+def command_of(
+    verb: str, file: str, folder: Path, common: Common, options: Iterable[str] = ()
+) -> str:
+    """The command that made a report, as it can be entered again.
+
+    **Arguments:**
+
+    - `verb`, `file`, `folder`, `common`: its verb, mechanism, folder of results, and `--set`.
+    - `options`: words of its other options.
+    """
     words = ["prsm", verb, file, "--out", str(folder)]
     words += [word for one in common.settings for word in ("--set", one)]
-    for name in ("author", "revision"):
-        value = getattr(signed, name)
-        words += [f"--{name}", value] if value else []
-    return shlex.join(words)
+    return shlex.join([*words, *options])
 
 
-def _tell_faults(faults: Sequence[str]) -> None:
+def tell_faults(faults: Sequence[str]) -> None:
+    """Say on stderr which parts of a report are missing because of a fault."""
     for fault in faults:
         clear()
         print(f"prsm: warning: the report is not complete: {fault}", file=sys.stderr)
@@ -116,7 +132,7 @@ def report(
     transient: Annotated[
         bool, Parameter(help="Simulate, where the file has a duration or a scenario.")
     ] = True,
-    signed: Signed = Signed(),
+    signed: Signed = _UNSIGNED,
     common: Common = _DEFAULT,
 ) -> int:
     """Write a report for signature: status, findings, inputs, drawings, results, assumptions.
@@ -127,11 +143,12 @@ def report(
     from ...report import analyse, checks_table, write_report
 
     common.check_targets("out/report")
-    mechanism, origin = _read(file, common, signed)
+    mechanism, origin = read_with_origin(file, common, signed)
     folder = Path("out/report") if common.out is None else common.out
     expect_programs(*_PROGRAMS, "_numbers")
     doing("analysing: contact, vibration, steady state, transient, strength")
-    command = _command("report", file, folder, common, signed)
+    simulated = () if transient else ("--no-transient",)
+    command = command_of("report", file, folder, common, (*simulated, *signed.words()))
     data = analyse(mechanism, source=file, command=command, transient=transient, origin=origin)
     doing("drawing and writing the report")
     faults: list[str] = []
@@ -154,7 +171,7 @@ def report(
         return f"{table.text(terminal_width())}\n{path}  (everything, in one file)\n"
 
     valid = emit(common, results, text, assumptions(mechanism), findings)
-    _tell_faults(faults)
+    tell_faults(faults)
     return int(bool(faults) or not valid)
 
 
@@ -164,7 +181,7 @@ def demo(
         str, Parameter(help="A file or example with [operating_point] and [optimise].")
     ] = "actuator",
     *,
-    signed: Signed = Signed(),
+    signed: Signed = _UNSIGNED,
     common: Common = _DEFAULT,
 ) -> int:
     """Analyse, differentiate and improve a mechanism, and write a report with pictures.
@@ -185,7 +202,7 @@ def demo(
 
     common.check_targets("out/demo")
     say(f"reading {file}")
-    mechanism, origin = _read(file, common, signed)
+    mechanism, origin = read_with_origin(file, common, signed)
     problem = mechanism.design_problem
     if problem is None:
         raise ValueError(f"{file} has no [optimise] table; give one, or use the example actuator")
@@ -195,7 +212,7 @@ def demo(
         *(*_PROGRAMS, "contact_results", "_numbers"),
     )
     folder = Path("out/demo") if common.out is None else common.out
-    command = _command("demo", file, folder, common, signed)
+    command = command_of("demo", file, folder, common, signed.words())
     # Most of the time goes into compiling, which two threads do at once.
     before = beside(analyse, mechanism, source=file, command=command, origin=origin)
     say("differentiating: exact sensitivities to " + ", ".join(v.name for v in problem.variables))
@@ -248,5 +265,5 @@ def demo(
     if not files:
         reason = "the best design found breaks limits"
         tell(nothing_written(folder / "optimised.toml", reason, common))
-    _tell_faults(faults)
+    tell_faults(faults)
     return int(not best.converged or bool(faults))

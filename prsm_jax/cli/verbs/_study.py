@@ -1,7 +1,6 @@
 """The verb on a study of a few drivers, with its report."""
 
 import json
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,10 +12,12 @@ from ...process import folder_for_results
 from .._app import app
 from .._common import Common, checked, emit, plain, value_of, words_of
 from .._counts import MOST_VALUES, count
-from .._progress import Counter, clear, counted, doing, expect_programs
+from .._progress import Counter, counted, doing, expect_programs
 from .._tables import terminal_width
+from ._demo import command_of, read_with_origin, tell_faults
 
 _DEFAULT = Common()
+_POINTS, _FRONT_POINTS = 7, 11
 _NAMES = "from `prsm quantities`, separated by commas."
 
 
@@ -87,8 +88,10 @@ def study(
         str | None,
         Parameter(help="Two or three quantities: objectives of the front. Default: the first two."),
     ] = None,
-    points: Annotated[int, count(2, MOST_VALUES, help="Values of every driver in the map.")] = 7,
-    front_points: Annotated[int, count(3, 1000, help="Points of the front.")] = 11,
+    points: Annotated[
+        int, count(2, MOST_VALUES, help="Values of every driver in the map.")
+    ] = _POINTS,
+    front_points: Annotated[int, count(3, 1000, help="Points of the front.")] = _FRONT_POINTS,
     without: Annotated[
         str | None,
         Parameter(
@@ -115,9 +118,20 @@ def study(
     Example: prsm study actuator --out out/drivers
     """
     common.check_targets("out")
-    mechanism = common.load(file)
+    mechanism, origin = read_with_origin(file, common)
     drivers, senses = _drivers(mechanism, driver or []), _senses(maximise, minimise)
     left_out = words_of(without)
+    options = [word for one in driver or () for word in ("--driver", one)]
+    for option, given, default in (
+        ("--maximise", maximise, None),
+        ("--minimise", minimise, None),
+        ("--objectives", objectives, None),
+        ("--points", points, _POINTS),
+        ("--front-points", front_points, _FRONT_POINTS),
+        ("--without", without, None),
+        ("--starts", starts, None),
+    ):
+        options += [option, str(given)] if given != default else []
     from ...report import write_study
     from ...studies import study as run_study
 
@@ -147,15 +161,15 @@ def study(
     report = write_study(
         folder,
         results,
-        command=f"prsm study {file} --out {folder}",
+        command=command_of("study", file, folder, common, options),
+        source=file,
+        origin=origin,
         attachments={
             "study.json": json.dumps(plain(results.to_dict()), indent=2, ensure_ascii=False) + "\n",
         },
         on_fault=faults.append,
     )
-    for fault in faults:
-        clear()
-        print(f"prsm: warning: the report is not complete: {fault}", file=sys.stderr)
+    tell_faults(faults)
     valid = emit(
         common,
         {"report": report, "store": store, **results.to_dict()},

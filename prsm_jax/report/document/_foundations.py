@@ -6,9 +6,10 @@ import platform
 from ..._version import __version__
 from ...dynamics import neglected_inertia
 from ...explanation import places
+from ...mechanism import Mechanism
 from ...quantities import assumptions, catalogue
 from ...text import printable
-from ..results import ReportData
+from ..results import Origin, ReportData
 from ._section import Section, Table
 
 #: Packages whose versions the numbers depend on.
@@ -76,25 +77,37 @@ def left_out_section(data: ReportData) -> Section:
 
 def provenance_section(data: ReportData) -> Section:
     """Author, revision, date and file, with its hash, and versions of the programs."""
+    return provenance_of(data.mechanism, data.origin, data.source, data.command)
+
+
+def provenance_of(mechanism: Mechanism, origin: Origin, source: str, command: str) -> Section:
+    """The section of `provenance_section`.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism, whose author and revision hold unless the origin has others.
+    - `origin`: its file, and who made the report.
+    - `source`: what was given to `prsm_jax.load`; empty if nothing was.
+    - `command`: the command that made the report; empty if none did.
+    """
     from importlib.metadata import PackageNotFoundError, version
 
-    origin = data.origin
     blank = "…" * 12
     signed = [
-        ("author", printable(origin.author or data.mechanism.author) or blank),
-        ("revision", printable(origin.revision or data.mechanism.revision) or blank),
+        ("author", printable(origin.author or mechanism.author) or blank),
+        ("revision", printable(origin.revision or mechanism.revision) or blank),
         ("date", printable(origin.date) or blank),
         ("signature", blank),
     ]
     rows = []
-    if data.source:
-        rows.append(("mechanism from", data.source))
+    if source:
+        rows.append(("mechanism from", source))
     if origin.sha256:
         rows.append(("SHA-256 of this file", origin.sha256))
     rows += [("changed on the command line", one) for one in origin.settings]
-    if data.command:
-        rows.append(("command", data.command))
-    bits = "64" if data.mechanism.stages[0].thread.lead.dtype.itemsize == 8 else "32"
+    if command:
+        rows.append(("command", command))
+    bits = "64" if mechanism.stages[0].thread.lead.dtype.itemsize == 8 else "32"
     rows += [("prsm_jax", __version__), ("Python", platform.python_version())]
     for name in _PACKAGES:
         try:

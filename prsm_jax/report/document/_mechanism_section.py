@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from ..._errors import MissingDataError
 from ...geometry import roller_clearance
-from ...mechanism import Stage, body_mass, stage_mass
+from ...mechanism import Mechanism, Stage, body_mass, stage_mass
 from ...text import show, trimmed, with_label
 from ..drawings import cross_section
 from ..results import ReportData
@@ -22,13 +22,7 @@ def mechanism_section(data: ReportData) -> Section:
     tables = [Table("Mechanism", head, rows)]
     point = data.mechanism.operating_point
     if point is not None:
-        operating = [
-            (
-                f"{data.mechanism.stages[0].thread.family.turning} speed",
-                show(float(point.speed), "rad/s"),
-            ),
-            ("axial load", show(float(point.load), "N")),
-        ]
+        operating = [row for row, _ in speed_and_load(data.mechanism)]
         if point.duration is not None:
             operating.append(("simulated time", show(float(point.duration), "s", digits=3)))
         tables.append(Table("Operating point", ("", ""), tuple(operating)))
@@ -46,6 +40,15 @@ def mechanism_section(data: ReportData) -> Section:
             )
         )
     return Section("mechanism", "Mechanism", (), tuple(tables), tuple(pictures))
+
+
+def speed_and_load(mechanism: Mechanism) -> Iterator[tuple[tuple[str, str], str]]:
+    """Speed and load of the operating point, if there is one: words, value, and full name."""
+    point = mechanism.operating_point
+    if point is not None:
+        turning = mechanism.stages[0].thread.family.turning
+        yield (f"{turning} speed", show(float(point.speed), "rad/s")), "operating_point.speed"
+        yield ("axial load", show(float(point.load), "N")), "operating_point.load"
 
 
 def findings_section(data: ReportData) -> Section:

@@ -1,15 +1,15 @@
 """A study of drivers as a report."""
 
-import platform
 import re
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..._version import __version__
+from ...mechanism import find_parameters
 from ...studies import DriverStudy
 from ...text import MINUS, NOT_DEFINED, TextTable, number
+from ..results import Origin
 from ..study_charts import (
     conflict_maps,
     front_gradient_chart,
@@ -17,17 +17,23 @@ from ..study_charts import (
     variant_changes,
     variant_fronts,
 )
+from ._foundations import provenance_of
+from ._mechanism_section import speed_and_load
 from ._section import Picture, Section, Table
 from ._write import write_document
 
 
-def study_sections(study: DriverStudy, command: str = "") -> tuple[Section, ...]:
+def study_sections(
+    study: DriverStudy, command: str = "", *, source: str = "", origin: Origin | None = None
+) -> tuple[Section, ...]:
     """A study as sections of a document, in the order of reading.
 
     **Arguments:**
 
     - `study`: result of `prsm_jax.study`.
     - `command`: how it was made, if by a command.
+    - `source`: what was given to `prsm_jax.load`, if the mechanism came from there.
+    - `origin`: the file of the mechanism, and author, revision and date.
     """
     said = study.sentences()
     tables = {part: tuple(map(_table, some)) for part, some in study.tables().items()}
@@ -51,7 +57,7 @@ def study_sections(study: DriverStudy, command: str = "") -> tuple[Section, ...]
             "drivers",
             "Drivers and quantities",
             (*said["drivers"], *follows),
-            tables["drivers"],
+            (*_operating_point(study), *tables["drivers"]),
             pictures["drivers"],
             study.assumptions,
         ),
@@ -81,10 +87,8 @@ def study_sections(study: DriverStudy, command: str = "") -> tuple[Section, ...]
                 pictures["variants"],
             )
         )
-    rows = [("prsm_jax", __version__), ("Python", platform.python_version())]
-    rows += [("command", command)] if command else []
-    made = Table("Made with", ("", ""), tuple(rows))
-    return (*sections, Section("provenance", "Provenance", (), (made,)))
+    made = provenance_of(study.front.mechanism, origin or Origin(), source, command)
+    return (*sections, made)
 
 
 def write_study(
@@ -92,6 +96,8 @@ def write_study(
     study: DriverStudy,
     *,
     command: str = "",
+    source: str = "",
+    origin: Origin | None = None,
     attachments: Mapping[str, str] | None = None,
     dpi: int = 200,
     on_fault: Callable[[str], None] = warnings.warn,
@@ -101,7 +107,7 @@ def write_study(
     **Arguments:**
 
     - `directory`: where to write; made if it is not there.
-    - `study`, `command`: as for `study_sections`.
+    - `study`, `command`, `source`, `origin`: as for `study_sections`.
     - `attachments`, `dpi`, `on_fault`: as for `write_document`.
 
     **Returns:** the path of `report.html`.
@@ -112,11 +118,23 @@ def write_study(
         directory,
         study.title or "Study",
         "study of design drivers",
-        lambda: study_sections(study, command),
+        lambda: study_sections(study, command, source=source, origin=origin),
         attachments=attachments,
         dpi=dpi,
         on_fault=on_fault,
     )
+
+
+def _operating_point(study: DriverStudy) -> tuple[Table, ...]:
+    """Speed and load of all designs, but for one that is a driver."""
+    mechanism = study.front.mechanism
+    drivers = [one.name for one in study.problem.drivers]
+    varied = {one.path for name in drivers for one in find_parameters(mechanism, name)}
+    rows = tuple(
+        (words, "a driver" if path in varied else value)
+        for (words, value), path in speed_and_load(mechanism)
+    )
+    return (Table("Operating point", ("", ""), rows),) if rows else ()
 
 
 def _cell(value: Any) -> str:

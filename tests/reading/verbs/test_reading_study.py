@@ -1,8 +1,10 @@
 """A study: its pictures, its tables, the report, and the JSON of its verb."""
 
 import dataclasses
+import hashlib
 import json
 import math
+import shlex
 
 import numpy as np
 import pytest
@@ -12,15 +14,18 @@ from reading_figures import Chart, handles
 from reading_tables import assert_json, assert_table, html_tables, without_words
 from study_scene import DRIVERS, SENSES, SIZES, UNITS, made
 
+from prsm_jax import file
 from prsm_jax.report import (
     conflict_maps,
     front_gradient_chart,
+    origin_of_file,
     study_maps,
     study_sections,
     variant_changes,
     variant_fronts,
     write_study,
 )
+from prsm_jax.report.document import _study_sections
 
 NAMES = [one.name for one in DRIVERS]
 PAIRS = [(0, 1), (0, 2), (1, 2)]
@@ -267,6 +272,31 @@ def _four_digits(*values):
     return tuple(f"{value:#.4g}".replace("-", "−") for value in values)
 
 
+def test_the_report_has_operating_point_and_origin(study):
+    """Speed and load of all designs, unless they are drivers, and the provenance of any report."""
+    drivers = study_sections(study)[1]
+    speed, load = 100.0, 7e3
+    rows = [("screw speed", (speed, "rad/s")), ("axial load", (load, "N"))]
+    assert_table(drivers.tables[0], ("", ""), rows)
+    assert drivers.tables[0].rows == (
+        ("screw speed", "954.9\N{NARROW NO-BREAK SPACE}rpm"),
+        ("axial load", "7.000\N{NARROW NO-BREAK SPACE}kN"),
+    )
+    over_load = (dataclasses.replace(DRIVERS[0], name="load"), *DRIVERS[1:])
+    problem = dataclasses.replace(study.problem, drivers=over_load)
+    (table,) = _study_sections._operating_point(dataclasses.replace(study, problem=problem))
+    assert table.rows == (drivers.tables[0].rows[0], ("axial load", "a driver"))
+    origin = origin_of_file("wu2022", settings=["load=3 kN"], author="A. Uthor", date="2026-11-29")
+    section = study_sections(study, "prsm study x", source="wu2022", origin=origin)[-1]
+    responsible, made = ({row[0]: row[1] for row in table.rows} for table in section.tables)
+    assert (responsible["author"], responsible["date"]) == ("A. Uthor", "2026-11-29")
+    assert made["mechanism from"] == "wu2022"
+    digest = hashlib.sha256(file.example_text("wu2022").encode()).hexdigest()
+    assert made["SHA-256 of this file"] == digest
+    assert made["changed on the command line"] == "load=3 kN"
+    assert made["command"] == "prsm study x"
+
+
 def test_a_change_by_rounding_alone_is_none(study):
     """The report says 0, as its sentence says that the quantity is the same."""
     (spin, failed), values = study.variants, np.array([1e-17, 3e-12, -2e-13, 0.0])
@@ -494,9 +524,18 @@ def test_study(run, monkeypatch, tmp_path, study):
         given.update(options, drivers=drivers, quantities=quantities, objectives=objectives)
         return study
 
-    def write(folder, one, *, command, attachments, on_fault):
+    def write(folder, one, *, command, source, origin, attachments, on_fault):
         assert one is study
-        assert command == f"prsm study wu2022 --out {folder}"
+        # In the order of the options, with those that were given and no other.
+        assert shlex.split(command) == [
+            *("prsm", "study", "wu2022", "--out", str(folder)),
+            *("--set", "load=3 kN", "--set", "lead=12 mm"),
+            *words[: words.index("--points")],
+            *("--points", "4", "--front-points", "3", "--without", "spin,load_sharing"),
+            *("--starts", "2"),
+        ]
+        assert (source, origin.settings) == ("wu2022", ("load=3 kN", "lead=12 mm"))
+        assert origin.sha256 == hashlib.sha256(file.example_text("wu2022").encode()).hexdigest()
         given["attachments"] = attachments
         return folder / "report.html"
 
@@ -506,6 +545,7 @@ def test_study(run, monkeypatch, tmp_path, study):
         *("--driver", "lead=5 mm:15 mm", "--driver", "contact_angle"),
         *("--maximise", "efficiency", "--minimise", "nut_outer_diameter,mass"),
         *("--points", "4", "--without", "spin,load_sharing", "--front-points", "3"),
+        *("--starts", "2", "--set", "load=3 kN", "--set", "lead=12 mm"),
         *("--out", tmp_path / "o"),
     )
     found, printed = run("study", "wu2022", *words)
@@ -522,7 +562,7 @@ def test_study(run, monkeypatch, tmp_path, study):
         "points": 4,
         "front_points": 3,
         "without": ["spin", "load_sharing"],
-        "starts": None,
+        "starts": 2,
         "store": store,
     }
     report = tmp_path / "o" / "report.html"
