@@ -13,7 +13,7 @@ from ..quantities import REASONS, find_quantity, quantity_of
 from ._bounds import inside
 from ._data_file import read_measurements
 from ._losses import influence
-from ._measurements import Measurements, split_component
+from ._measurements import Measurements
 from ._pairing import open_rows, paired
 from ._problem import (
     CalibrationProblem,
@@ -105,7 +105,7 @@ def calibrate(
             f"{len(codes)} conditions ({reason}); start from other values"
         )
         return _failed(mechanism, problem, data, "start_fails", message)
-    rows = open_rows(problem, {n for n in data.values if split_component(n)[1] is None})
+    rows = open_rows(problem, data)
     weighted = set(standard_deviations or {})
     problem, solved, free, settled = _fitted(problem, rows, computed, data, weighted)
     if not bool(solved.finite):
