@@ -126,6 +126,15 @@ def test_dimensions_measure_what_their_words_say(drawing, actuator):
         assert float(number) == pytest.approx(MM * float(value), abs=5e-4)
 
 
+def test_a_gear_that_the_file_lacks_is_not_named(tmp_path):
+    mechanism = prsm.load("actuator_axis")
+    assert mechanism.stages[0].gear is None
+    drawing = readfile(write_dxf(tmp_path / "axis.dxf", mechanism))
+    words = [one.dxf.text for one in _dimensions(drawing)]
+    assert "Ø40 nut" in words
+    assert not [one for one in words if "gear" in one]
+
+
 def _dimensions(drawing):
     return _entities(drawing, "DIMENSION", "DIMENSIONS")
 

@@ -147,7 +147,7 @@ def _legend(
 
 def _gears_and_contacts(every: list[DrawingDimensions]) -> str:
     """What the drawing shows of gears, and of contacts outside of its plane, in words."""
-    gears = sorted({str(d.family.gear_body) for d in every if d.family.gear_body is not None})
+    gears = sorted({str(d.gear_body) for d in every if d.gear_body is not None})
     sliding = sorted({side for d in every for side in d.family.sliding}, reverse=True)
     contacts = f"contacts with the {' and the '.join(sliding)} are projected into the detail."
     if not gears:

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from ...geometry import ThreadContact, mesh
-from ...mechanism import FAMILIES, Family, Mechanism, Stage, stage_at, thread_heights
+from ...mechanism import FAMILIES, Family, Mechanism, Side, Stage, stage_at, thread_heights
 
 #: A wall that is not given is drawn this thick, in roller radii, and broken off.
 _BROKEN_WALL = 1.0
@@ -64,6 +64,8 @@ class DrawingDimensions:
     nut_contact: ContactPoint | None
     #: What distinguishes the type of roller screw.
     family: Family = FAMILIES["standard"]
+    #: Body whose teeth mesh with the rollers; `None` for a file without a gear.
+    gear_body: Side | None = None
 
     @property
     def shifted_at_nut(self) -> bool:
@@ -193,4 +195,5 @@ def drawing_dimensions(mechanism: Mechanism, stage: int = 1) -> DrawingDimension
         screw_contact=point(meshing.screw),
         nut_contact=point(meshing.nut),
         family=thread.family,
+        gear_body=None if chosen.gear is None and ring is None else thread.family.gear_body,
     )

@@ -84,7 +84,7 @@ def _dimensions(sheet: Canvas, dims: DrawingDimensions) -> None:
         return sign * (outer + sheet.paper(3.5 + _STEP * number))
 
     def with_gear(body: str) -> str:
-        return f"{body} and gear" if body == dims.family.gear_body else body
+        return f"{body} and gear" if body == dims.gear_body else body
 
     roller = f"Ø{trimmed(2 * r)} roller"
     sheet.horizontal_dimension(a - r, a + r, level(0), roller, 0.0, beside=True)

@@ -8,7 +8,7 @@ from matplotlib.patches import Circle
 from report_checks import assert_printable
 
 from prsm_jax.file import load
-from prsm_jax.report import cross_section
+from prsm_jax.report import cross_section, section_svg
 from prsm_jax.report.drawings._drawing_dimensions import drawing_dimensions
 
 #: Diameters of screw and nut from the comments of the files, and words on the drawing [mm].
@@ -38,6 +38,21 @@ def test_circles_words_and_contacts(name):
     labels = " ".join(text.get_text() for axes in figure.axes for text in axes.texts)
     assert ("screw and gear" in labels) == (name == "humanoid_leg")
     assert "nut and gear" not in labels
+
+
+@pytest.mark.parametrize(("name", "has_gear"), [("actuator_axis", False), ("wu2022", True)])
+def test_a_gear_is_named_only_where_the_file_has_one(name, has_gear):
+    mechanism = load(name)
+    stage = mechanism.stages[0]
+    assert (stage.gear is not None) == has_gear
+    figure = cross_section({mechanism.title: mechanism})
+    labels = " ".join(text.get_text() for axes in figure.axes for text in axes.texts)
+    written = " ".join(text.get_text() for text in figure.texts)
+    assert f"Ø{2e3 * float(stage.thread.nut_radius):g} nut" in labels
+    assert ("and gear" in labels) == has_gear
+    assert ("pitch circle" in written) == has_gear
+    # The studio and the DXF draw the same view.
+    assert ("and gear" in section_svg(mechanism, 1)[0]) == has_gear
 
 
 @pytest.mark.parametrize("name", TYPES)
