@@ -1,6 +1,11 @@
 """Gradient-based optimisation of a mechanism over named parameters."""
 
 from ..mechanism import operating_range as operating_range
+from ._limits import (
+    LimitReading as LimitReading,
+    limit_readings as limit_readings,
+    with_limits as with_limits,
+)
 from ._optimise import optimise as optimise
 from ._pareto import pareto as pareto
 from ._problem import constraints_of as constraints_of

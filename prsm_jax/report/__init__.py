@@ -42,12 +42,17 @@ from .design_charts import (
     yield_chart as yield_chart,
 )
 from .document import (
+    LIMITS as LIMITS,
     MARGINS_IN_WORDS as MARGINS_IN_WORDS,
     Picture as Picture,
     Section as Section,
     Table as Table,
     checks_table as checks_table,
     contact_pictures as contact_pictures,
+    limit_cells as limit_cells,
+    limits_in_words as limits_in_words,
+    limits_table as limits_table,
+    point_words as point_words,
     report_section as report_section,
     save_contact_pictures as save_contact_pictures,
     save_transient_pictures as save_transient_pictures,

@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from ..findings import Status, StrengthCheck, check, status_of, strength_checks
 from ..geometry import Finding
-from ..mechanism import Constraint, Mechanism
-from ..quantities import available_quantities, quantity_of
+from ..mechanism import Mechanism
+from ..optimisation import LimitReading, limit_readings
+from ..quantities import available_quantities
 from ..sensitivities import sensitivity
 
 #: Quantities that the page shows, in its order, as far as the file has their data.
@@ -50,22 +50,6 @@ class Numbers:
     def value(self, quantity: str) -> float:
         """The value of a quantity [SI]."""
         return float(self.values[self.quantities.index(quantity)])
-
-
-@dataclass(frozen=True)
-class LimitReading:
-    """A limit of the `[optimise]` table beside its value [SI].
-
-    `margin` is the distance from the limit as a share of it, negative where it is broken.
-    """
-
-    quantity: str
-    unit: str
-    value: float
-    limit: float
-    at_most: bool
-    margin: float
-    verdict: Literal["pass", "fail"]
 
 
 @dataclass(frozen=True)
@@ -122,21 +106,13 @@ def verdicts_of(mechanism: Mechanism) -> Verdicts:
     return Verdicts(checks, findings, status_of(checks, findings))
 
 
-def limits_of(constraints: tuple[Constraint, ...], numbers: Numbers) -> tuple[LimitReading, ...]:
-    """The limits of the `[optimise]` table beside the values of a design."""
-    found: list[LimitReading] = []
-    for one in constraints:
-        lower, upper = (one.lower, one.upper) if one.equal is None else (one.equal, one.equal)
-        for name, value in zip(numbers.quantities, numbers.values, strict=True):
-            if name.partition("[")[0] != one.quantity:
-                continue
-            for limit, at_most in ((lower, False), (upper, True)):
-                if limit is not None:
-                    distance = (limit - value) if at_most else (value - limit)
-                    margin = float(distance / abs(limit)) if limit else float(distance)
-                    verdict = "pass" if margin >= 0 else "fail"
-                    unit = quantity_of(name).unit
-                    found.append(
-                        LimitReading(name, unit, float(value), limit, at_most, margin, verdict)
-                    )
-    return tuple(found)
+def limits_of(mechanism: Mechanism, numbers: Numbers) -> tuple[LimitReading, ...]:
+    """The limits of the `[optimise]` table beside the values of a design.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism with the values of the design.
+    - `numbers`: its numbers, with the quantities of `shown_quantities`.
+    """
+    known = zip(numbers.quantities, map(float, numbers.values), strict=True)
+    return limit_readings(mechanism, dict(known))

@@ -8,13 +8,13 @@ from pathlib import Path
 from .._errors import PrsmError
 from ..file import apply_settings, edit, load, round_in_unit, source_text
 from ..mechanism import Mechanism, find_parameters
+from ..optimisation import LimitReading
 from ..quantities import catalogue
 from ..report import analyse, origin_of_file, section_svg, write_report
 from ._folder import ChosenFolder
 from ._history import History, Values
 from ._improve import Improvement
 from ._readings import (
-    LimitReading,
     Numbers,
     Verdicts,
     limits_of,
@@ -163,8 +163,7 @@ class Session:
 
     def limits(self, numbers: Numbers) -> tuple[LimitReading, ...]:
         """The limits of the file's `[optimise]` table beside numbers; none without a table."""
-        problem = self.original.design_problem
-        return () if problem is None else limits_of(problem.constraints, numbers)
+        return limits_of(self._with(dict(numbers.design)), numbers)
 
     def drawings(self, design: Values | None = None) -> tuple[tuple[str, str, float], ...]:
         """Both views of every stage as SVG, and their scale."""

@@ -8,15 +8,16 @@ import numpy as np
 
 from ..findings import StrengthCheck
 from ..geometry import Finding
-from ..report import checks_table
-from ..text import MINUS, display_unit, in_unit, number, show, state_without_efficiency
+from ..optimisation import LimitReading, with_limits
+from ..report import checks_table, limit_cells, point_words
+from ..text import MINUS, display_unit, in_unit, show, state_without_efficiency
 from ._improve import Improvement
-from ._readings import LimitReading, Numbers, Verdicts
+from ._readings import Numbers, Verdicts
 from ._variables import StudioVariable
 
 _STATUS = {
     "pass": "Pass: all limits are kept; no finding is a warning.",
-    "warning": "Warning: a check or a finding below is a warning.",
+    "warning": "Warning: a check or a finding below is a warning, or a limit was not evaluated.",
     "fail": "Fail: a limit below is broken, or a finding is an error.",
     "no checks": "No checks: the file gives no limit; no finding is a warning.",
 }
@@ -69,8 +70,7 @@ def status_html(verdicts: Verdicts, limits: Sequence[LimitReading], stages: int)
     - `limits`: those of the `[optimise]` table.
     - `stages`: number of stages of the mechanism.
     """
-    broken = any(one.verdict == "fail" for one in limits)
-    status = "fail" if broken else verdicts.status
+    status = with_limits(verdicts.status, limits)
     parts = [f'<p class="status {status.replace(" ", "-")}" role="status">{_STATUS[status]}</p>']
     if limits:
         labels = labels_of([one.quantity for one in limits])
@@ -99,11 +99,9 @@ def notes_html(findings: Sequence[Finding]) -> str:
 
 
 def _limit_row(one: LimitReading, label: str) -> tuple[str, ...]:
-    unit = display_unit(one.unit, [one.value, one.limit], one.quantity)
-    sense = "at most" if one.at_most else "at least"
-    margin = f"{number(100 * one.margin, 3)} %" if one.limit else in_unit(one.margin, unit, 3)
-    value, limit = _unbroken(in_unit(one.value, unit)), _unbroken(in_unit(one.limit, unit))
-    return label, value, f"{sense} {limit}", _unbroken(margin), _verdict(one.verdict)
+    value, limit, margin = limit_cells(one)
+    words = label + html.escape(point_words(one))
+    return words, _unbroken(value), _unbroken(limit), _unbroken(margin), _verdict(one.verdict)
 
 
 def _unbroken(words: str) -> str:

@@ -12,6 +12,7 @@ import prsm_jax as prsm
 from prsm_jax.exchange import write_workbook
 from prsm_jax.exchange._cells import columns_of, number_cell
 from prsm_jax.findings import StrengthCheck
+from prsm_jax.optimisation import LimitReading
 from prsm_jax.report import ReportData, Table
 from prsm_jax.text import fixed, number, related, show, trimmed, with_label
 
@@ -78,6 +79,28 @@ def test_checks_have_numbers_units_and_relations(book):
         assert row["limit is"] == ("at most" if check.at_most else "at least")
         margin = row["margin"] * per_unit[row["unit of margin"]]
         assert margin == pytest.approx(check.margin, rel=EXACT)
+
+
+def test_a_broken_limit_of_the_design_problem_is_on_the_sheet_of_the_status(tmp_path):
+    limits = (
+        LimitReading("max_pressure", "Pa", 2.3e9, 2.1e9, True, -2 / 21, "fail"),
+        LimitReading("nut_outer_diameter", "m", 0.0571, 0.058, True, 9 / 580, "pass"),
+        LimitReading("efficiency", "1", math.nan, 0.8, False, math.nan, "not evaluated"),
+    )
+    data = ReportData(mechanism=prsm.load("wu2022"), title="", checks=CHECKS[:1], limits=limits)
+    sheet = openpyxl.load_workbook(write_workbook(tmp_path / "report.xlsx", data))["Status"]
+    words = " ".join(str(one) for row in _rows(sheet) for one in row)
+    assert "Status: fail." in words
+    assert "Of 3 limits of the design problem ([optimise]) 1 is kept, 1 is broken" in words
+    _, rows = _table(sheet, "Limits of the design problem ([optimise])")
+    assert [row["verdict"] for row in rows] == ["fail", "pass", "not evaluated"]
+    per_unit = {"MPa": 1e6, "mm": 1e-3, "%": 1e-2}
+    for row, one in zip(rows[:2], limits[:2], strict=True):
+        assert row["value"] * per_unit[row["unit"]] == pytest.approx(one.value, rel=EXACT)
+        limit = row["limit"] * per_unit[row["unit of limit"]]
+        assert limit == pytest.approx(one.limit, rel=EXACT)
+        assert row["limit is"] == "at most"
+    assert rows[2]["value"] is None
 
 
 def test_dimensions_of_the_mechanism_are_numbers_with_units(book):

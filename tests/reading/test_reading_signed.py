@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 
 import pytest
 import scenes
@@ -12,6 +13,8 @@ from reading_units import assert_reads
 import prsm_jax as prsm
 from prsm_jax.cli.verbs import _analyse, _demo
 from prsm_jax.findings import Finding, StrengthCheck
+from prsm_jax.mechanism import DesignProblem, Objective, OperatingCase, Variable
+from prsm_jax.optimisation import LimitReading
 from prsm_jax.report import MARGINS_IN_WORDS, Origin, ReportData
 from prsm_jax.report.document._sections import report_sections
 
@@ -118,6 +121,95 @@ def test_status_of_two_designs(data):
     assert "Not everything could be checked." in section.paragraphs[0]
 
 
+#: In SI: a value in each display unit, limits of each kind, a component, an operating point.
+_LIMITS = (
+    LimitReading("max_pressure_shared", "Pa", 2.3e9, 2.1e9, True, -2 / 21, "fail"),
+    LimitReading("nut_outer_diameter", "m", 0.0571, 0.058, True, 9 / 580, "pass"),
+    LimitReading("stage_stiffness[2]", "N/m", 7.26e8, 7.8e8, False, -54 / 780, "fail"),
+    LimitReading("drive_torque", "N·m", 22.4, 25.0, True, 0.104, "pass", False, 261.8, 8e3),
+    LimitReading("roller_clearance", "m", -4.5e-5, 0.0, False, -4.5e-5, "fail"),
+    LimitReading("carrier_ratio", "1", 0.31, 0.4, True, -0.225, "fail", True),
+    LimitReading("efficiency", "1", math.nan, 0.8, False, math.nan, "not evaluated"),
+)
+
+
+def _assert_limits(rows, limits=_LIMITS):
+    """Cells of a table of limits, read back to SI."""
+    for cells, one in zip(rows, limits, strict=True):
+        assert cells[0].startswith(one.quantity.partition("[")[0].replace("_", " "))
+        if one.load is not None:
+            speed, load = cells[0].partition(" at ")[2].split(" and ")
+            assert_reads(speed, (one.speed, "rad/s"))
+            assert_reads(load, (one.load, "N"))
+        sense = "equal to " if one.equal else "at most " if one.at_most else "at least "
+        assert cells[2].startswith(sense)
+        if one.limit:
+            assert_reads(cells[2].removeprefix(sense), (one.limit, one.unit, "whole"))
+        if one.verdict == "not evaluated":
+            assert not cells[1] + cells[3]
+        else:
+            assert_reads(cells[1], (one.value, one.unit))
+            assert_reads(cells[3], (one.margin, "1" if one.limit else one.unit, "coarse"))
+        assert cells[4] == one.verdict
+
+
+def test_limits_of_the_design_problem_are_in_the_status(data):
+    """A broken limit of the file is a failure, however well all checks are kept."""
+    kept = tuple(one for one in _CHECKS if one.verdict == "pass")
+    one = dataclasses.replace(data, checks=kept, findings=(), limits=_LIMITS)
+    section = report_sections(one)[0]
+    assert (section.anchor, section.status, one.status) == ("status", "fail", "fail")
+    checks, limits = section.tables
+    assert limits.caption == "Limits of the design problem ([optimise])"
+    assert limits.head == ("quantity", "value", "limit", "margin", "verdict")
+    assert limits.verdict_columns == (4,)
+    _assert_rows(checks.rows, kept)
+    _assert_limits(limits.rows)
+    assert section.paragraphs[0] == (
+        "Status: fail. Of 3 checks 3 keep their limit. Of 7 limits of the design problem "
+        "([optimise]) 2 are kept, 4 are broken, 1 was not evaluated. The findings have no error "
+        "and no warning."
+    )
+    assert "at the operating point of the mechanism" in section.paragraphs[2]
+    good = dataclasses.replace(one, limits=_LIMITS[1:2])
+    section = report_sections(good)[0]
+    assert section.status == "pass"
+    assert "Of 1 limit of the design problem ([optimise]) 1 is kept." in section.paragraphs[0]
+    lost = dataclasses.replace(one, limits=None)
+    section = report_sections(lost)[0]
+    assert section.status == "warning"
+    assert "The limits of the design problem ([optimise]) could not be" in section.paragraphs[0]
+    # The design before is broken, the one after is kept: each has its own table.
+    both = report_sections(dataclasses.replace(one, improved=good))[0]
+    assert both.status == "pass"
+    assert [table.caption for table in both.tables] == [
+        "Checks: start",
+        "Limits of the design problem ([optimise]): start",
+        "Checks: optimum",
+        "Limits of the design problem ([optimise]): optimum",
+    ]
+    _assert_limits(both.tables[3].rows, _LIMITS[1:2])
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"nut_speed": 0.25}, "at which the nut moves with 250.0 mm/s"),
+        (
+            {"operating_points": (OperatingCase(100.0, 5e3),)},
+            "operating point of [optimise] at which the margi",
+        ),
+        ({"tolerance_sigmas": 3.0}, "a search also adds 3 standard deviations"),
+    ],
+)
+def test_where_limits_were_read(data, settings, words):
+    problem = DesignProblem((Variable("lead", 4e-3, 9e-3),), (Objective("mass"),), **settings)
+    mechanism = dataclasses.replace(data.mechanism, design_problem=problem)
+    one = dataclasses.replace(data, mechanism=mechanism, limits=_LIMITS)
+    # Between a number and its unit is a narrow space.
+    assert words in " ".join(report_sections(one)[0].paragraphs[-1].split())
+
+
 @reads("section", "inputs_section")
 def test_inputs(sections):
     """Without a file; `tests/report/document/test_report_inputs.py` compares numbers of files."""
@@ -186,6 +278,32 @@ def test_strength(run, monkeypatch):
     printed.finish()
 
 
+def test_strength_names_broken_limits_of_the_design_problem(run, monkeypatch, tmp_path):
+    """Beside the status, which is that of the checks."""
+    kept = tuple(one for one in _CHECKS if one.verdict == "pass")
+    monkeypatch.setattr(_analyse, "check_values", lambda _: {})
+    monkeypatch.setattr(_analyse, "checked_numbers", lambda _: None)
+    monkeypatch.setattr(_analyse, "check_from", lambda *_: ())
+    monkeypatch.setattr(_analyse, "strength_checks_from", lambda *_: kept)
+    monkeypatch.setattr(_analyse, "_limits", lambda _: _LIMITS)
+    found, printed = run("strength", "wu2022", "--out", tmp_path / "out")
+    assert found["status"] == "pass"
+    for entry, one in zip(found["limits"], _LIMITS, strict=True):
+        assert_json(entry["value"], None if math.isnan(one.value) else one.value)
+        assert (entry["limit"], entry["unit"]) == (one.limit, one.unit)
+        assert entry["verdict"] == one.verdict
+    words = " ".join(cell for cells in printed.lines for cell in cells)
+    assert "Of 7 limits of the design problem ([optimise]) 2 are kept, 4 are broken" in words
+    assert "The status above does not include them" in words
+    assert_reads(printed.row("max pressure shared")[0], (2.3e9, "Pa"))
+    # Those that are kept are no concern of this verb.
+    assert "drive torque" not in words
+    assert "max pressure shared" in (tmp_path / "out" / "strength.md").read_text()
+    monkeypatch.setattr(_analyse, "_limits", lambda _: _LIMITS[1:2])
+    _, printed = run("strength", "wu2022")
+    assert "design problem" not in " ".join(cell for cells in printed.lines for cell in cells)
+
+
 def test_strength_of_a_file_without_limits(run, monkeypatch):
     """No table, no verdict, and what the file must hold."""
     monkeypatch.setattr(_analyse, "check_values", lambda _: {})
@@ -209,7 +327,7 @@ def test_report(run, monkeypatch, data, tmp_path):
 
     def analyse(mechanism, **more):
         given.update(more)
-        return dataclasses.replace(data, mechanism=mechanism)
+        return dataclasses.replace(data, mechanism=mechanism, limits=_LIMITS)
 
     def write(folder, data, *, on_fault):
         return folder / "report.html"
@@ -234,6 +352,9 @@ def test_report(run, monkeypatch, data, tmp_path):
     printed.row("check")
     for label, value, *_ in _rows(_CHECKS):
         assert_reads(printed.row(label)[0], value)
+    printed.row("Limits of the design problem ([optimise])")
+    assert_reads(printed.row("max pressure shared")[0], (2.3e9, "Pa"))
+    assert [one["verdict"] for one in found["limits"]] == [one.verdict for one in _LIMITS]
 
 
 def test_a_file_that_changes_while_it_is_read_is_refused(run, monkeypatch, tmp_path, capsys):

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import prsm_jax as prsm
+from prsm_jax.report import analyse
 from prsm_jax.studio import History, Session, studio_variables
+from prsm_jax.studio._snippets import status_html
 
 _DEGREE = math.pi / 180
 
@@ -128,6 +130,28 @@ def test_limits_of_the_table(session):
     session.set("roller_radius", 2.8)
     (limit,) = session.limits(session.numbers())
     assert limit.margin == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_report_has_the_limits_and_the_status_of_the_page(session, small):
+    """Nothing but the limit of [optimise] is broken in the file."""
+    limits = session.limits(session.numbers())
+    assert session.verdicts().status != "fail"
+    data = analyse(prsm.load(small), transient=False)
+    assert data.status == "fail"
+    assert data.limits is not None
+    (one,), (shown,) = data.limits, limits
+    assert dataclasses.replace(one, value=0.0, margin=0.0) == dataclasses.replace(
+        shown, value=0.0, margin=0.0
+    )
+    assert (one.value, one.margin) == pytest.approx((shown.value, shown.margin), rel=1e-12)
+    assert 'class="status fail"' in status_html(session.verdicts(), limits, 1)
+    session.set("roller_radius", 2.8)
+    moved = session.mechanism()
+    data = analyse(moved, transient=False)
+    assert data.status == session.verdicts().status != "fail"
+    assert status_html(session.verdicts(), session.limits(session.numbers()), 1).startswith(
+        f'<p class="status {data.status}"'
+    )
 
 
 def test_steps_are_undone_and_done_again(session):

@@ -1,17 +1,21 @@
 """Verbs that analyse one mechanism: check, strength, steady."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...dynamics import STEADY_RESULTS, SteadyState, steady_meaning, steady_state
 from ...findings import check_from, check_values, status_of, strength_checks_from
 from ...mechanism import Mechanism, OperatingPoint
+from ...programs import beside
 from ...quantities import assumptions
 from .._app import app
 from .._common import STEADY, Common, checked, checked_numbers, emit, plain, save_tables
 from .._programs import run_stored
 from .._progress import doing, expect_programs
 from .._tables import Line, TextTable, in_units, prose, terminal_width
+
+if TYPE_CHECKING:
+    from ...optimisation import LimitReading
 
 _DEFAULT = Common()
 
@@ -38,6 +42,15 @@ def check(file: str, *, common: Common = _DEFAULT) -> int:
     return int(any(f.severity == "error" for f in findings))
 
 
+def _limits(mechanism: Mechanism) -> "tuple[LimitReading, ...]":
+    """Limits of the design problem; the optimiser is imported only where there are some."""
+    if mechanism.design_problem is None:
+        return ()
+    from ...optimisation import limit_readings
+
+    return limit_readings(mechanism)
+
+
 #: What a file without limits lacks.
 _NO_CHECKS = (
     "No checks: the file gives no limit. Give permissible_pressure, required_life or a shaft in "
@@ -50,29 +63,43 @@ def strength(file: str, *, common: Common = _DEFAULT) -> int:
     """Safety, life, buckling, speed, play: value, limit, margin and verdict of each.
 
     Exit status 1 if a check fails. --out writes the table as strength.json and strength.md. The
-    status is "no checks" where the file gives no limit.
+    status is "no checks" where the file gives no limit. Limits of [optimise] are not part of it;
+    broken ones are listed.
     """
     mechanism = common.load(file)
+    limits = beside(_limits, mechanism)
     numbers = checked_numbers(mechanism)
     expect_programs("_values")
     doing("computing capacities and life")
-    from ...report import MARGINS_IN_WORDS, checks_table
+    from ...report import MARGINS_IN_WORDS, checks_table, limits_in_words, limits_table
 
     values = check_values(mechanism)
     checks = strength_checks_from(mechanism, numbers, values)
     findings, rests_on = check_from(mechanism, numbers), assumptions(mechanism, tuple(values))
     status = status_of(checks, ())
-    results = {"checks": [one.to_dict() for one in checks], "status": status}
+    limited = limits()
+    results = {
+        "checks": [one.to_dict() for one in checks],
+        "status": status,
+        "limits": [one.to_dict() for one in limited],
+    }
     shown = checks_table(f"Strength of {file}: {status}", checks, len(mechanism.stages))
     table = TextTable(shown.caption, shown.head, shown.rows)
+    unkept = [one for one in limited if one.verdict != "pass"]
+    others: list[TextTable] = []
+    if unkept:
+        words = f"{limits_in_words(limited)} The status above does not include them"
+        shown = limits_table(words, unkept)
+        others = [TextTable(shown.caption, shown.head, shown.rows)]
     if common.out is not None:
-        save_tables(common.out, "strength", results, [table], rests_on)
+        save_tables(common.out, "strength", results, [table, *others], rests_on)
 
     def text() -> str:
         words = table.text(terminal_width()) if table.rows else ""
         if any(one.margin is not None for one in checks):
             words += prose(MARGINS_IN_WORDS)
-        return words + (prose(_NO_CHECKS) if status == "no checks" else "")
+        words += prose(_NO_CHECKS) if status == "no checks" else ""
+        return words + "".join("\n" + one.text(terminal_width()) for one in others)
 
     valid = emit(common, results, text, rests_on, findings)
     return int(not valid or status == "fail")

@@ -140,7 +140,7 @@ def report(
     Writes report.html (everything in one file, with interactive charts), report.md, report.json
     and figures to --out (default out/report).
     """
-    from ...report import analyse, checks_table, write_report
+    from ...report import LIMITS, analyse, checks_table, limits_table, write_report
 
     common.check_targets("out/report")
     mechanism, origin = read_with_origin(file, common, signed)
@@ -158,6 +158,7 @@ def report(
         "report": path,
         "status": data.status,
         "checks": [one.to_dict() for one in data.checks or ()],
+        "limits": [one.to_dict() for one in data.limits or ()],
         "sha256": origin.sha256,
         "author": origin.author or mechanism.author,
         "revision": origin.revision or mechanism.revision,
@@ -167,8 +168,11 @@ def report(
 
     def text() -> str:
         shown = checks_table(f"Status: {data.status}", data.checks or (), len(mechanism.stages))
-        table = TextTable(shown.caption, shown.head, shown.rows)
-        return f"{table.text(terminal_width())}\n{path}  (everything, in one file)\n"
+        words = TextTable(shown.caption, shown.head, shown.rows).text(terminal_width())
+        if data.limits:
+            shown = limits_table(LIMITS, data.limits)
+            words += "\n" + TextTable(shown.caption, shown.head, shown.rows).text(terminal_width())
+        return f"{words}\n{path}  (everything, in one file)\n"
 
     valid = emit(common, results, text, assumptions(mechanism), findings)
     tell_faults(faults)
@@ -245,6 +249,10 @@ def demo(
         "status": {name: one.status for name, one in data.designs.items()},
         "checks": {
             name: [check.to_dict() for check in one.checks or ()]
+            for name, one in data.designs.items()
+        },
+        "limits": {
+            name: [limit.to_dict() for limit in one.limits or ()]
             for name, one in data.designs.items()
         },
         "sha256": origin.sha256,

@@ -1,10 +1,23 @@
-"""The status of every design: checks with limit, margin and verdict, and the worst of them."""
+"""The status of every design: checks and limits of the design problem, and the worst of them."""
 
 import collections
+import math
 from collections.abc import Sequence
 
 from ...findings import StrengthCheck
-from ...text import MINUS, number, related, show, with_label
+from ...mechanism import Mechanism
+from ...optimisation import LimitReading
+from ...text import (
+    MINUS,
+    display_unit,
+    in_unit,
+    number,
+    related,
+    show,
+    state_without_efficiency,
+    with_label,
+)
+from .._parts import component_words
 from .._style import readable
 from ..results import ReportData
 from ._section import Section, Table
@@ -33,6 +46,8 @@ MARGINS_IN_WORDS = (
     f"limit (buckling with a safety of 2: 1/2 {MINUS} load / buckling load), the life beyond the "
     "required one as a share of it, or a difference of efficiencies."
 )
+#: What these limits are called.
+LIMITS = "Limits of the design problem ([optimise])"
 #: The same where the limit is a lower one: rollers without lead have no coefficient that jams.
 _LABELS_AT_LEAST = {"jamming": "share of the axial thread force that carries load"}
 
@@ -90,6 +105,77 @@ def checks_table(caption: str, checks: Sequence[StrengthCheck], stages: int) -> 
     return Table(caption, head, rows)
 
 
+def limit_cells(one: LimitReading) -> tuple[str, str, str]:
+    """Value, limit and margin of a limit as text, value and limit in the same unit."""
+    known = not math.isnan(one.value)
+    shown = display_unit(one.unit, [one.value, one.limit] if known else [one.limit], one.quantity)
+    limit = related(one.sense, in_unit(one.limit, shown))
+    if not known:
+        return "", limit, ""
+    value = state_without_efficiency(one.quantity, one.value) or in_unit(one.value, shown)
+    if not math.isfinite(one.margin):
+        return value, limit, ""
+    if not one.limit:
+        return value, limit, in_unit(one.margin, shown, 3)
+    return value, limit, with_label(number(100 * one.margin, 3), "%", " ")
+
+
+def point_words(one: LimitReading) -> str:
+    """The operating point of the design problem at which a limit was read; empty without one."""
+    points = ((one.speed, "rad/s"), (one.load, "N"))
+    words = [show(value, unit) for value, unit in points if value is not None]
+    return f" at {' and '.join(words)}" if words else ""
+
+
+def limits_table(caption: str, limits: Sequence[LimitReading]) -> Table:
+    """Limits of the design problem as a table: value, limit, margin and verdict of each."""
+    rows = tuple(
+        (component_words(one.quantity) + point_words(one), *limit_cells(one), one.verdict)
+        for one in limits
+    )
+    return Table(caption, ("quantity", "value", "limit", "margin", "verdict"), rows)
+
+
+def limits_in_words(limits: Sequence[LimitReading] | None) -> str:
+    """How many limits of the design problem are broken, in a sentence; empty without limits."""
+    if limits is None:
+        return f"The l{LIMITS[1:]} could not be evaluated."
+    if not limits:
+        return ""
+    counts = collections.Counter(one.verdict for one in limits)
+    said = [
+        f"{counts[verdict]} {one if counts[verdict] == 1 else several}"
+        for verdict, one, several in (
+            ("pass", "is kept", "are kept"),
+            ("fail", "is broken", "are broken"),
+            ("not evaluated", "was not evaluated", "were not evaluated"),
+        )
+        if counts[verdict]
+    ]
+    kind = LIMITS.removeprefix("Limits")
+    return f"Of {len(limits)} limit{'s' * (len(limits) > 1)}{kind} {', '.join(said)}."
+
+
+def where_read(mechanism: Mechanism) -> str:
+    """What the values of the table of limits are those of, in a sentence or two."""
+    problem = mechanism.design_problem
+    where = "at the operating point of the mechanism"
+    if problem is not None and problem.nut_speed is not None:
+        where = f"at the speed at which the nut moves with {show(problem.nut_speed, 'm/s')}"
+    elif problem is not None and problem.operating_points:
+        where = "at that operating point of [optimise] at which the margin is least"
+    words = (
+        f"Values beside the limits of the design problem are those {where}; a margin in % is the "
+        "distance from the limit as a share of it."
+    )
+    if problem is not None and problem.tolerance_sigmas is not None:
+        words += (
+            " They are those of the nominal numbers; a search also adds "
+            f"{problem.tolerance_sigmas:g} standard deviations due to [tolerances]."
+        )
+    return words
+
+
 def _in_a_sentence(data: ReportData, name: str) -> str:
     counts = collections.Counter(one.verdict for one in data.checks or ())
     counted = [
@@ -111,28 +197,34 @@ def _in_a_sentence(data: ReportData, name: str) -> str:
         words += f" Of {total} check{'s' * (total > 1)} {', '.join(counted)}."
     if data.checks is not None and counts["no limit"] == counts.total():
         words += " No check has a limit."
+    if limited := limits_in_words(data.limits):
+        words += f" {limited}"
     if data.findings is None or data.checks is None:
         return words + " Not everything could be checked."
     return words + f" The findings have {' and '.join(listed) or 'no error and no warning'}."
 
 
 def status_section(data: ReportData) -> Section:
-    """Status of every design, and its checks; the status of the last design is that of the report.
+    """Status of every design, its checks and the limits of its design problem.
 
-    The margins are those of `check` and of the optimiser.
+    The status of the last design is that of the report. The margins of checks are those of `check`
+    and of the optimiser.
     """
-    designs = data.designs
-    tables = tuple(
-        checks_table(
-            f"Checks: {name}" if name else "Checks", one.checks, len(data.mechanism.stages)
-        )
-        for name, one in designs.items()
-        if one.checks
-    )
+    designs, stages = data.designs, len(data.mechanism.stages)
+    tables: tuple[Table, ...] = ()
+    for name, one in designs.items():
+        of_design = f": {name}" if name else ""
+        if one.checks:
+            tables += (checks_table(f"Checks{of_design}", one.checks, stages),)
+        if one.limits:
+            tables += (limits_table(f"{LIMITS}{of_design}", one.limits),)
     words = tuple(_in_a_sentence(one, name) for name, one in designs.items())
     if data.optimisation is not None and not data.feasible:
         words = (data.optimisation.in_a_sentence(), *words)
-    if tables:
+    if any(one.checks for one in designs.values()):
         words += (MARGINS_IN_WORDS,)
+    words += tuple(
+        dict.fromkeys(where_read(one.mechanism) for one in designs.values() if one.limits)
+    )
     last = list(designs.values())[-1]
     return Section("status", "Status", words, tables, status=last.status)

@@ -20,6 +20,7 @@ from ...findings import (
 from ...geometry import Meshing, mesh
 from ...load_sharing import ForceDeflection, LoadDistribution
 from ...mechanism import Mechanism, written_out
+from ...optimisation import limit_readings
 from ...programs import beside, one_program_where_possible
 from ...quantities import (
     AXIS_QUANTITIES,
@@ -152,7 +153,7 @@ def analyse(
     lines = None if contacts is None else attempt("contact", _lines, mechanism, meshings)
     modes = attempt("vibration", _all_modes, mechanism)
     steady = attempt("steady state", _steady_states, mechanism) or (None, None, None)
-    history, strength, shared, axis = others()
+    history, strength, shared, axis, limits = others()
     parts.add(more)
     data = ReportData(
         mechanism=original,
@@ -172,6 +173,7 @@ def analyse(
         fatigue=strength[1],
         shared=shared[0],
         deflections=shared[1],
+        limits=limits,
         source=source,
         command=command,
         origin=origin or Origin(),
@@ -234,12 +236,14 @@ class _Parts:
         self.faults += others.faults
 
 
-def _others(parts: _Parts, mechanism: Mechanism, transient: bool) -> tuple[Any, Any, Any, Any]:
-    """Transient, strength, load sharing and axis."""
+def _others(parts: _Parts, mechanism: Mechanism, transient: bool) -> tuple[Any, ...]:
+    """Transient, strength, load sharing, axis and limits of the design problem."""
     history = parts.attempt("transient", _history, mechanism) if transient else None
     strength = parts.attempt("strength", _strength, mechanism) or (None, ())
     shared = parts.attempt("load sharing", _shared, mechanism) or ({}, {})
-    return history, strength, shared, parts.attempt("axis", _axis, mechanism)
+    axis = parts.attempt("axis", _axis, mechanism)
+    limits = parts.attempt("limits of [optimise]", limit_readings, mechanism)
+    return history, strength, shared, axis, limits
 
 
 def _checks(

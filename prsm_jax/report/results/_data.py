@@ -12,6 +12,7 @@ from ...findings import Status, StrengthCheck, status_of
 from ...geometry import Finding, Meshing
 from ...load_sharing import ForceDeflection, LoadDistribution
 from ...mechanism import Mechanism
+from ...optimisation import LimitReading, with_limits
 from ...strength import SideOnset, TruncatedFatigue
 from ...text import short_label
 from ...vibration import Modes
@@ -72,14 +73,17 @@ class ReportData:
     checks: tuple[StrengthCheck, ...] | None = ()
     #: Crests and roots beside the contact ellipses, by stage; empty if they are not known.
     flank_lines: tuple[tuple[FlankLine, ...], ...] = ()
+    #: Limits of the design problem beside their values; `None` if they could not be read.
+    limits: tuple[LimitReading, ...] | None = ()
 
     @property
     def status(self) -> Status:
-        """The worst verdict of checks and findings; a part that failed is a warning.
+        """The worst verdict of checks, findings and limits; a part that failed is a warning.
 
-        Findings of geometry are made for every mechanism, so one without checks passes too.
+        A broken limit of the design problem is a failure. Findings of geometry are made for every
+        mechanism, so one without checks passes too.
         """
-        status = status_of(self.checks or (), self.findings)
+        status = with_limits(status_of(self.checks or (), self.findings), self.limits)
         if status == "no checks":
             status = "pass"
         incomplete = self.checks is None or bool(self.faults)
