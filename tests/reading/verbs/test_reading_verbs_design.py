@@ -701,6 +701,7 @@ def test_demo(monkeypatch, tmp_path, capsys, feasible):
     found = without_words(json.loads(written["files"]["results.json"]))
     assert found.pop("status") == {"start": "pass", "optimum": "pass"}
     assert set(found.pop("checks")) == {"start", "optimum"}
+    assert set(found.pop("limits")) == {"start", "optimum"}
     assert found.pop("sha256") == written["origin"].sha256
     assert set(found) == {"before", "after", "sensitivity", "optimise"}
     for name, one in (("before", before), ("after", after)):
