@@ -4,6 +4,7 @@ import functools
 from collections.abc import Callable
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
@@ -176,7 +177,14 @@ def chain_forces(
             axial_force = nut_load - axial_inertia(stage) * nut_acceleration
         law = stage.thread_law
         per_roller = axial_force / stage.present_roller_count
-        flank_sign = loaded_flank_sign(law, per_roller, speed * kinematics[index].slip_per_screw[2])
+        axial_slip = speed * kinematics[index].slip_per_screw[2]
+        viscous = law is not None and law.viscous_resistance is not None
+        if viscous and kinematics[index].axial_drive is not None:
+            # The carrier moves the roller along the axis here, and its speed may depend on which
+            # flanks carry: the usual ones do if they do with the speed that follows from it.
+            usual = motion_of(index, jnp.ones_like(per_roller), axial_force, nut_acceleration)
+            axial_slip = jax.lax.stop_gradient(usual.slip[2])
+        flank_sign = loaded_flank_sign(law, per_roller, axial_slip)
         own_force = flank_sign * axial_force
         own_acceleration = None if nut_acceleration is None else flank_sign * nut_acceleration
         motion = motion_of(index, flank_sign, own_force, own_acceleration)

@@ -24,7 +24,7 @@ def loaded_flank_sign(law: FrictionLaw | None, axial_force: Scalar, axial_slip: 
 
     - `law`: thread friction.
     - `axial_force`: axial force that one roller carries [N].
-    - `axial_slip`: axial part of the slip, Ω L/2π [m/s].
+    - `axial_slip`: axial part of the slip of the screw over the roller [m/s].
     """
     coefficient = None if law is None else law.viscous_resistance
     remainder = axial_force if coefficient is None else axial_force + coefficient * axial_slip

@@ -67,11 +67,9 @@ def sliding_contact(
     state = steady_state(mechanism, speed, load, every)
     kinematics, at = every[stage - 1], stage - 1
     force = state.contact_force[at]
-    flank = loaded_flank_sign(
-        law,
-        state.nut_load[at] / chosen.present_roller_count,
-        state.screw_speed * kinematics.slip_per_screw[2],
-    )
+    screw_speed = state.screw_speed
+    seen = slip_velocity(kinematics, screw_speed, state.carrier_ratio[at] * screw_speed)
+    flank = loaded_flank_sign(law, state.nut_load[at] / chosen.present_roller_count, seen[2])
     # All speeds change their signs with the flank.
     screw_speed = flank * state.screw_speed
     carrier_speed = state.carrier_ratio[at] * screw_speed

@@ -46,27 +46,28 @@ def _steady_states(
 
     An impossible dimension comes first in the code, which then hides that forces do not balance.
     """
-    ratios: list[Scalar] = []
+    # By stage: where the flank depends on the motion, the chain asks for the motion twice.
+    ratios: dict[int, Scalar] = {}
+    converged: dict[int, Bool[Array, ""]] = {}
     # Otherwise every use of a number of the balance would compute the balance again.
     balanced_ratio = apart(balanced_carrier_ratio)
     balanced = pushed = jnp.asarray(True)
     meshed = jnp.stack([k.meshing.converged for k in kinematics]).all()
 
     def motion_of(index: int, flank_sign: Scalar, axial_force: Scalar, _) -> Motion:
-        nonlocal balanced
         stage, geometry = mechanism.stages[index], kinematics[index]
         own_speed, own_sense = flank_sign * speed, flank_sign * sense
         balance = balanced_ratio(stage, geometry, own_sense, own_speed, axial_force)
-        balanced = balanced & balance.converged
-        ratios.append(balance.ratio)
+        converged[index], ratios[index] = balance.converged, balance.ratio
         return balance.motion(geometry, own_speed, own_sense)
 
     states = chain_forces(mechanism, kinematics, motion_of, speed, sense, load)
-    for state in states:
+    for index, state in enumerate(states):
+        balanced = balanced & converged[index]
         # Beyond jamming the axial balance requires a contact that pulls.
         pushed = pushed & above_or_nan(state.forces.contact_force)
     code, solved = _code(mechanism, meshed, pushed, balanced)
-    return states, ratios[::-1], code, solved
+    return states, [ratios[index] for index in range(len(states))], code, solved
 
 
 def _code(

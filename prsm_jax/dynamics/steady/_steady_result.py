@@ -17,12 +17,14 @@ from ...text import Line
 #: By code. Self-locking is a valid state; the others have no valid steady state.
 _MEANINGS = (
     "successful",
-    "self-locking: the load alone causes no motion, and the motor must drive in the direction of "
-    "the load; for back-driving, lower friction or contact angle (quantity self_locking_margin)",
+    "self-locking: the load alone does not keep up this motion, and the motor must drive in the "
+    "direction of the load; for back-driving, lower friction or contact angle (quantity "
+    "self_locking_margin)",
     "jammed: thread friction cancels the axial part of the normal force, and no torque moves the "
     "load; lower the friction or raise the contact angle (quantity jamming_margin)",
-    "no balance: thread friction cannot drive the carriers against their losses; raise it, or "
-    "lower the friction of spin and rolling",
+    "no balance: thread friction cannot drive the carriers against their losses, or hold those of "
+    "a differential roller screw against the load; raise it, or lower the friction of spin and "
+    "rolling",
     "no meshing: screw and roller do not touch with a common normal; check lead, contact angle "
     "and profile radius",
     "impossible dimension: lead and radii must be more than 0, starts within the range of the type "

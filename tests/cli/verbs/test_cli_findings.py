@@ -69,7 +69,7 @@ def test_findings_stand_beneath_the_table(prsm):
                 "screw_tooth_thinning=0.3 mm",
             ],
             "self_locking",
-            "the load alone causes no motion",
+            "the load alone does not keep up this motion",
             0,
         ),
     ],

@@ -1,0 +1,104 @@
+"""Flanks of a differential roller screw with viscous friction, against virtual power in NumPy.
+
+Viscous friction carries a part of the axial force. What is left for the normal force changes its
+sign, and the flanks change, where the axial slip h (Ω − ω) is large enough: it includes the carrier
+speed, with which the roller moves along the axis.
+"""
+
+import functools
+
+import jax
+import numpy as np
+import pytest
+from scenes import array, mesh, simulate, steady_state
+from type_motion import mechanism, slips_of, with_law
+
+import prsm_jax as prsm
+from prsm_jax.dynamics import sliding_contact
+from prsm_jax.friction import StribeckFriction, ViscousFriction
+
+RESISTANCE, LOAD = 25.0, 200.0
+ONE = with_law(mechanism("differential", extra=False), ViscousFriction(RESISTANCE))
+(STAGE,) = ONE.stages
+COUNT = STAGE.present_roller_count
+LEAD = float(STAGE.thread.lead)
+
+
+@functools.cache
+def _basis():
+    """Slip and travel per radian at a carrier ratio of 0, and their change per unit of it."""
+    meshing = mesh(STAGE.thread)
+    (zero, still), (one, moved) = (
+        slips_of(STAGE.thread, meshing, np.array([x]), "differential") for x in (0.0, 1.0)
+    )
+    share = abs(float(meshing.screw.normal_parts[2]))
+    return zero["screw"], one["screw"] - zero["screw"], still, moved - still, share
+
+
+def _reference(speed, load):
+    """Carrier ratio, normal force of one roller with its sign, and torque.
+
+    The normal force has no power, so the ratio follows from friction and load alone; its sign is
+    that of the axial force less what friction carries.
+    """
+    slip, per_ratio, travel, more, share = _basis()
+    resistance = COUNT * RESISTANCE
+    along = np.sign(travel) * load * more
+    ratio = -(along / speed + resistance * slip @ per_ratio) / (resistance * per_ratio @ per_ratio)
+    velocity = speed * (slip + ratio * per_ratio)
+    force = (load / COUNT + RESISTANCE * velocity[2]) / share
+    lost = resistance * velocity @ velocity
+    return ratio, force, load * abs(travel + ratio * more) + lost / speed
+
+
+#: Where h Ω alone would change the flanks; h (Ω − ω) does at about 1/(1 − 0.4) of this speed.
+FLIP = -LOAD / COUNT / RESISTANCE / (LEAD / (2 * np.pi))
+
+
+@pytest.mark.parametrize("share", [0.5, 0.95, 1.05, 1.3, 1.6, 1.8, 3.0])
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_flank_ratio_and_torque_are_those_of_virtual_power(share, sense):
+    speed, load = sense * share * FLIP, sense * LOAD
+    ratio, force, torque = _reference(speed, load)
+    found = steady_state(ONE, speed, load)
+    assert bool(found.valid)
+    assert float(found.carrier_ratio[0]) == pytest.approx(ratio, rel=1e-10)
+    assert float(found.contact_force[0]) == pytest.approx(abs(force), rel=1e-9)
+    assert float(found.drive_torque) == pytest.approx(torque, rel=1e-10)
+    # The flanks have changed in the last rows only, and not yet with h Ω alone.
+    assert (force * sense < 0) == (share > 1.7)
+    contact = sliding_contact(ONE, 1, speed, load)
+    # In the frame of the loaded flank.
+    turned = np.sign(force) * speed * LEAD / (2 * np.pi) * (1 - ratio)
+    assert float(contact.velocity[2]) == pytest.approx(turned, rel=1e-9)
+
+
+def test_a_transient_ends_on_the_same_flank():
+    speed = 1.3 * FLIP
+    _, force, torque = _reference(speed, LOAD)
+    scenario = prsm.Scenario(array(speed), array(LOAD), 5e-3, samples=11)
+    run = simulate(ONE, scenario, method="rosenbrock")
+    assert int(run.solver.code) == 0
+    assert float(run.contact_force[0, -1]) == pytest.approx(abs(force), rel=1e-6)
+    assert float(run.drive_torque[-1]) == pytest.approx(torque, rel=1e-6)
+
+
+def test_a_part_of_the_friction_that_follows_the_normal_force():
+    """Alike on both flanks, with derivatives that are differences, on either side of the change."""
+    law = StribeckFriction(0.05, 0.08, 5e-3, viscous_coefficient=RESISTANCE)
+    one = with_law(ONE, law)
+
+    def torque(speed):
+        return steady_state(one, speed, LOAD).drive_torque
+
+    for share in (1.2, 2.5):
+        speed = share * FLIP
+        found, mirrored = steady_state(one, speed, LOAD), steady_state(one, -speed, -LOAD)
+        assert bool(found.valid)
+        assert float(found.contact_force[0]) > 0
+        assert float(found.power_balance_residual) < 1e-12
+        assert float(mirrored.drive_torque) == pytest.approx(-float(found.drive_torque), rel=1e-12)
+        step = 1e-4 * abs(speed)
+        difference = (float(torque(speed + step)) - float(torque(speed - step))) / (2 * step)
+        slope = float(jax.jit(jax.grad(torque))(array(speed)))
+        assert slope == pytest.approx(difference, rel=1e-6)
