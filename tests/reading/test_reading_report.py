@@ -546,6 +546,25 @@ def test_transient(sections, data):
         assert_cell(found[name], value)
 
 
+@pytest.mark.parametrize(
+    ("settles", "words"),
+    [
+        (0.133e-3, "less than 2.50\u202fms (1 sample)"),
+        (6e-3, "less than 7.50\u202fms (3 samples)"),
+        (16e-3, "0.0160\u202fs"),
+    ],
+)
+def test_a_settling_time_between_the_first_samples_is_a_bound(data, settles, words):
+    """Samples every 2.5 ms; a hundredth of the distance is left at the settling time."""
+    run = data.transient
+    time = 100 * run.time
+    ratio = 0.37 * (1 - jnp.exp(-time * np.log(100) / settles))
+    run = dataclasses.replace(run, time=time, carrier_ratio=ratio[None])
+    section = transient_section(dataclasses.replace(data, transient=run))
+    assert section is not None
+    assert ("settling time (carriers within 1 %)", words) in section.tables[0].rows
+
+
 def test_an_uncertain_transient_is_an_assumption(data):
     """An estimate of 30 % beside the table, and as a sentence beneath it."""
     estimate = jnp.zeros(81).at[40].set(0.3)

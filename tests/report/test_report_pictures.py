@@ -142,6 +142,13 @@ def test_settling_time_is_where_the_ratio_stays_within_the_tolerance():
 
     late = eqx.tree_at(lambda r: r.carrier_ratio, run, jnp.tile(run.time, (2, 1)) + 1e-4)
     assert time_to_settle(late, 1e-3) is None
+    at_once = eqx.tree_at(lambda r: r.carrier_ratio, run, 0.37 + 0 * run.carrier_ratio)
+    assert time_to_settle(at_once) == 0
+    # The fifth interval ends at 50 µs, the sixth at 60 µs; the other stage has settled before.
+    for enters, known in ((49e-6, False), (51e-6, True)):
+        ratios = jnp.stack([jnp.where(run.time < at, 0.2, 0.37) for at in (20e-6, enters)])
+        stepped = eqx.tree_at(lambda r: r.carrier_ratio, run, ratios)
+        assert (time_to_settle(stepped) is not None) == known
 
 
 def test_elasticities_that_are_not_defined_are_said_to_be():

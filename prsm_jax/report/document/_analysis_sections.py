@@ -8,7 +8,7 @@ import numpy as np
 
 from ...dynamics import error_in_words
 from ...quantities import AXIS_QUANTITIES
-from ...text import display_unit, fixed, in_unit, number, show
+from ...text import fixed, number, show
 from .._style import readable
 from ..animations import mode_shapes
 from ..contact_charts import FlankLine, contact_ellipses
@@ -27,9 +27,9 @@ from ..motion_charts import (
     power_flow_chart,
     power_history_chart,
     settles,
+    settling_words,
     share_text,
     steady_flow,
-    time_to_settle,
     transient_chart,
 )
 from ..results import SIDES, ReportData, any_cut, largest_pressures
@@ -285,13 +285,10 @@ def transient_section(data: ReportData) -> Section | None:
     settling = settles(run)
     rows = []
     if settling:
-        unit = display_unit("s", float(run.time[-1]))
-        settled = time_to_settle(run)
-        words = "longer than the simulation" if settled is None else in_unit(settled, unit, 3)
         rows += [
             ("efficiency at the start", share_text(run.efficiency[0])),
             ("efficiency at the end", share_text(run.efficiency[-1])),
-            ("settling time (carriers within 1 %)", words),
+            ("settling time (carriers within 1 %)", settling_words(run)),
         ]
     largest = float(np.abs(np.asarray(run.drive_torque)).max())
     rows += [

@@ -23,6 +23,7 @@ from ._power_flow_chart import (
 )
 from ._transient_chart import (
     settles as settles,
+    settling_words as settling_words,
     time_to_settle as time_to_settle,
     transient_chart as transient_chart,
 )

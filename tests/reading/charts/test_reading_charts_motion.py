@@ -1,7 +1,9 @@
 """Pictures of motion, power and losses: curves, areas, bands and words read back in SI."""
 
+import dataclasses
 import math
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 import reading_scenes as made
@@ -68,6 +70,20 @@ def test_transient():
     chart.text("stage 2")
     assert middle.get_ylabel() == "carrier ratio ω/Ω"
     chart.finish()
+
+
+def test_a_transient_on_coarse_samples():
+    """No dashed line at an interpolated place, and a bound: samples are 25 ms apart."""
+    run = made.transient()
+    run = dataclasses.replace(
+        run, time=run.time * 1e3, carrier_ratio=jnp.where(run.time > 0, 0.37, jnp.zeros((2, 1)))
+    )
+    chart = Chart(transient_chart(run))
+    words = chart.text("carriers within")
+    assert (
+        words == "carriers within 1 % of their last speed after less than 25.0\u202fms (1 sample)"
+    )
+    assert [len(axes.lines) for axes in chart.axes] == [1, 2, 1]
 
 
 _HISTORIES = {
