@@ -14,6 +14,7 @@ import scenes
 from expectations import reads
 from reading_tables import assert_cell, assert_table, html_tables
 from reading_units import assert_reads, numbers, to_si
+from scipy.integrate import simpson
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import STEADY_RESULTS
@@ -815,8 +816,8 @@ def test_every_picture_is_of_its_part_of_the_data(data, monkeypatch):
         assert given(picture, chart) == [data.mechanism, data.transient]
     energy, words = given("energy_flow", "power_flow_chart")
     run = data.transient
-    work = float(np.trapezoid(run.drive_torque * run.screw_speed, run.time))
-    assert (energy.unit, energy.sources["motor"]) == ("J", pytest.approx(work))
+    work = float(simpson(run.drive_torque * run.screw_speed, x=run.time))
+    assert (energy.unit, energy.sources["motor"]) == ("J", pytest.approx(work, rel=1e-9))
     assert words == "Energy flow of the whole transient"
     (shared,) = given("thread_loads", "thread_load_chart")
     assert shared is data.shared[0]

@@ -3,14 +3,15 @@
 import dataclasses
 from collections.abc import Mapping
 
+import jax.numpy as jnp
 import numpy as np
 
-from ...dynamics import SteadyState, Transient
+from ...dynamics import SteadyState, Transient, integral
 from ...mechanism import Mechanism
-from ._history_chart import integrated, nut_speed
+from ._history_chart import nut_speed
 
-#: Energy that remains in moving masses is ignored below this share of the total flow: the
-#: trapezoidal rule leaves as much where they start and end at rest.
+#: Energy that remains in moving masses is ignored below this share of the total flow: the rule of
+#: integration leaves as much where they start and end at rest.
 _ROUNDING = 1e-4
 #: Names of the terms that are not losses.
 MOTOR, LOAD, KINETIC = "motor", "load", "moving masses"
@@ -94,7 +95,8 @@ def energy_flow(mechanism: Mechanism, run: Transient) -> PowerFlow:
 
     Energy that the motor supplies and energy that it takes back while it brakes are counted
     separately; likewise for the load. Moving masses count with their net gain or loss of energy at
-    the end, unless that is less than a ten-thousandth of the total.
+    the end, unless that is less than a ten-thousandth of the total. Like `energy`, the integrals
+    are those of Simpson's rule.
 
     **Arguments:**
 
@@ -104,7 +106,7 @@ def energy_flow(mechanism: Mechanism, run: Transient) -> PowerFlow:
     powers = power_history(mechanism, run)
 
     def energy(power: np.ndarray) -> float:
-        return float(integrated(run, power)[-1])
+        return float(integral(run.time, jnp.asarray(power)))
 
     def ends(power: np.ndarray) -> tuple[float, float]:
         return energy(np.maximum(power, 0.0)), energy(np.maximum(-power, 0.0))
