@@ -8,7 +8,7 @@ import numpy as np
 
 from .._errors import UnknownNameError
 from ..quantities import quantity_of
-from ..text import DisplayUnit
+from ..text import DisplayUnit, digits_for
 from ._style import BODY_COLOURS, INK, MUTED, SMALL, TITLE, Axes, Figure, readable
 
 #: A place or a size in a picture.
@@ -19,6 +19,8 @@ DASHES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 CHAIN = (0, (9, 2, 1.5, 2))
 #: Energy of a mode for which amplitudes are given [J].
 MODE_ENERGY = 1e-3
+#: Digits of a tick with which as many ticks as usual have room.
+_SHORT = 4
 #: Behind words that stand on lines.
 WHITE = {"facecolor": "white", "edgecolor": "none"}
 
@@ -103,6 +105,13 @@ def aside(
     align = {"ha": "right"} if shift[0] < 0 else {}
     style = {"fontsize": SMALL} | align | style
     axes.annotate(words, point, shift, textcoords="offset points", **style)
+
+
+def room_for_ticks(axes: Axes) -> None:
+    """Fewer ticks on a horizontal axis whose numbers need many digits: they would overlap."""
+    low, high = axes.get_xlim()
+    if digits_for(max(abs(low), abs(high)), high - low) > _SHORT:
+        axes.locator_params(axis="x", nbins=3)
 
 
 def plain_ticks(axis: Any, form: str = "{:g}", subs: tuple[Number, ...] = (1.0, 2.0, 5.0)) -> None:

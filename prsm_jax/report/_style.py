@@ -70,6 +70,8 @@ _RC: Any = {
     "axes.linewidth": 0.6,
     "axes.unicode_minus": True,
     "axes.axisbelow": True,
+    # Whole numbers at the ticks, no small addend at the end of the axis.
+    "axes.formatter.useoffset": False,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "text.color": INK,

@@ -6,6 +6,7 @@ from ._display_units import (
     UNIT_LABELS as UNIT_LABELS,
     DisplayUnit as DisplayUnit,
     NumberText as NumberText,
+    digits_for as digits_for,
     display_unit as display_unit,
     fixed as fixed,
     in_unit as in_unit,

@@ -170,6 +170,23 @@ def number(value: SupportsFloat, digits: int = 4) -> str:
     return NumberText(text.replace("-", MINUS), value)
 
 
+def digits_for(value: SupportsFloat, width: SupportsFloat, least: int = 4) -> int:
+    """Significant digits of a number that show a tenth of a width, such as a scatter, or less.
+
+    **Arguments:**
+
+    - `value`: the number.
+    - `width`: range in which such numbers differ, in the same unit.
+    - `least`: digits that are shown at least, also where nothing differs.
+
+    **Returns:** at most 12, beyond which differences are rounding.
+    """
+    value, width = abs(float(value)), abs(float(width))
+    if not (0 < value < math.inf and 0 < width < math.inf):
+        return least
+    return min(max(least, math.floor(math.log10(value)) - math.floor(math.log10(width)) + 2), 12)
+
+
 def _superscript(exponent: int) -> str:
     digits = "⁰¹²³⁴⁵⁶⁷⁸⁹"
     return ("⁻" if exponent < 0 else "") + "".join(digits[int(d)] for d in str(abs(exponent)))

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..mechanism import Tolerance
 from ..results import Shown
-from ..text import TextTable, display_unit
+from ..text import TextTable, digits_for, display_unit
 from ._estimates import PROBABILITIES, ROUNDING, Estimate
 from ._zone_ends import ZoneEnds
 
@@ -190,7 +190,10 @@ class ToleranceAnalysis(Shown):
             label = shown.heading(name)
             for method, one in self.methods.items():
                 estimate = one.estimates[name]
-                quantiles = [f"{float(shown(q)):.5g}" for q in estimate.quantiles]
+                spread = estimate.standard_deviation if estimate.scatters else 0.0
+                quantiles = [
+                    f"{float(shown(q)):.{digits_for(q, spread, 5)}g}" for q in estimate.quantiles
+                ]
                 scale = float(shown.per_si)
                 # Rounding is not shown as a scatter, nor as a standard error.
                 size = scale if estimate.scatters or math.isnan(estimate.mean) else 0.0
@@ -198,7 +201,11 @@ class ToleranceAnalysis(Shown):
                     (
                         label,
                         METHOD_WORDS[method],
-                        _number(float(shown(estimate.mean)), size * estimate.mean_error),
+                        _number(
+                            float(shown(estimate.mean)),
+                            size * estimate.mean_error,
+                            digits_for(estimate.mean, spread, 6),
+                        ),
                         _number(
                             size * estimate.standard_deviation,
                             size * estimate.standard_deviation_error,
@@ -251,8 +258,9 @@ def agreement(one: Estimate, best: Estimate) -> str:
     return f"mean {shift:+.3f} σ, σ {100 * ratio:+.2f} %"
 
 
-def _number(value: float, error: float) -> str:
-    return f"{value:.6g} ± {error:.1g}" if error > 0 else f"{value:.6g}"
+def _number(value: float, error: float, digits: int = 6) -> str:
+    shown = f"{value:.{digits}g}"
+    return f"{shown} ± {error:.1g}" if error > 0 else shown
 
 
 def _percent(share: float | None, error: float | None) -> str | None:

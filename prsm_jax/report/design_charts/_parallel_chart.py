@@ -111,7 +111,6 @@ def _scales(axes: Any, shown: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         own.spines["right"].set_position(("data", column))
         own.spines["left"].set_visible(False)
         own.spines["bottom"].set_visible(False)
-        own.yaxis.get_major_formatter().set_useOffset(False)
         own.locator_params(axis="y", nbins=6)
         for tick in own.get_yticklabels():
             tick.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.6})

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...text import DisplayUnit, display_unit
 from ...uncertainty import METHOD_WORDS, ToleranceAnalysis
-from .._parts import aside, in_words, legend_below, legend_line, page_title
+from .._parts import aside, in_words, legend_below, legend_line, page_title, room_for_ticks
 from .._style import INK, MUTED, SERIES, Axes, Figure, drawn, page_figure, readable
 
 _ROW = 52.0
@@ -119,6 +119,7 @@ def _histogram(axes: Axes, analysis: ToleranceAnalysis, name: str) -> None:
     axes.set_ylabel("mechanisms in %")
     axes.set_title(_heading(name))
     axes.set_ylim(bottom=0)
+    room_for_ticks(axes)
     axes.grid(axis="y")
 
 
@@ -199,6 +200,7 @@ def tolerance_scatter(analysis: ToleranceAnalysis, x: str, y: str) -> Figure:
     axes.set_xlabel(in_words(readable(x), across))
     axes.set_ylabel(in_words(readable(y), up))
     axes.set_title(f"{_heading(x)} and {readable(y)}")
+    room_for_ticks(axes)
     axes.grid(True, color=MUTED, alpha=0.2)
     entries = [
         legend_line("design (Monte Carlo)", color=_SAMPLES, marker=".", linestyle=""),

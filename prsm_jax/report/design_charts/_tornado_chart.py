@@ -5,13 +5,17 @@ from typing import Any
 import numpy as np
 
 from ...mechanism import Tolerance
-from ...text import DisplayUnit, display_unit, in_unit, number
+from ...text import DisplayUnit, digits_for, display_unit, in_unit, number
 from ...uncertainty import ToleranceAnalysis, ZoneEnds
-from .._parts import WHITE, aside, in_words, legend_below, legend_line, page_title
+from .._parts import WHITE, aside, in_words, legend_below, legend_line, page_title, room_for_ticks
 from .._style import INK, SERIES, SMALL, Axes, Figure, drawn, page_figure, readable
 
 _COLOURS = {"lower": SERIES[5], "upper": SERIES[1]}
 _HEIGHT = 0.7
+#: Digits of a value at least.
+_DIGITS = 5
+#: Values of shorter bars, over the range of all, have the digits of bars of this length.
+_SHORTEST = 1e-3
 #: Behind values that stand on the line of a limit.
 _BEHIND = WHITE | {"pad": 0.5}
 _FROM = {
@@ -64,11 +68,13 @@ def tornado_chart(analysis: ToleranceAnalysis, quantity: str) -> Figure:
     axes.grid(axis="x")
     entries = _entries(shown, ends)
     axes.axvline(shown(ends.nominal), color=INK, linestyle="--", linewidth=1.0)
+    room_for_ticks(axes)
     limit = _near_limits(ends, analysis.limits[index])
     for side in limit:
         axes.axvline(shown(side), color=INK, linestyle=":", linewidth=1.2)
     if limit:
-        words = " and ".join(in_unit(side, shown) for side in limit)
+        span = _span(ends)
+        words = " and ".join(in_unit(side, shown, digits_for(side, span)) for side in limit)
         entries.append(legend_line(f"limit: {words}", color=INK, linestyle=":"))
     axes.set_xlabel(in_words(readable(quantity), shown))
     axes.set_title(
@@ -110,7 +116,9 @@ def _bars(axes: Axes, place: int, ends: ZoneEnds, which: int, shown: DisplayUnit
         if changes[side] == 0 and (side == "upper" or changes["upper"] != 0):
             continue
         away = -3 if changes[side] < 0 else 3
-        words = number(shown(value), 5)
+        span = _span(ends)
+        width = max(abs(changes[side]), _SHORTEST * span) if changes[side] else span
+        words = number(shown(value), digits_for(value, width, _DIGITS))
         aside(axes, words, (shown(value), middle), (away, 0), va="center", bbox=_BEHIND)
 
 
@@ -125,9 +133,19 @@ def _zone(tolerance: Tolerance, unit: str) -> str:
     return f"{readable(tolerance.name)}\n{zone}"
 
 
-def _near_limits(ends: ZoneEnds, limit: tuple[float, float] | None) -> list[float]:
+def _range(ends: ZoneEnds) -> tuple[float, float]:
+    """The lowest and the highest value."""
     every = np.array([ends.nominal, *ends.lower, *ends.upper])
-    low, high = float(np.nanmin(every)), float(np.nanmax(every))
+    return float(np.nanmin(every)), float(np.nanmax(every))
+
+
+def _span(ends: ZoneEnds) -> float:
+    low, high = _range(ends)
+    return high - low
+
+
+def _near_limits(ends: ZoneEnds, limit: tuple[float, float] | None) -> list[float]:
+    low, high = _range(ends)
     span = high - low
     return [side for side in limit or () if low - span <= side <= high + span]
 
@@ -135,7 +153,8 @@ def _near_limits(ends: ZoneEnds, limit: tuple[float, float] | None) -> list[floa
 def _entries(shown: DisplayUnit, ends: ZoneEnds) -> list[Any]:
     from matplotlib.patches import Patch
 
+    digits = digits_for(ends.nominal, _span(ends), _DIGITS)
     return [
         *(Patch(facecolor=c, label=f"{side} end of the zone") for side, c in _COLOURS.items()),
-        legend_line(f"nominal: {in_unit(ends.nominal, shown, 5)}", color=INK, linestyle="--"),
+        legend_line(f"nominal: {in_unit(ends.nominal, shown, digits)}", color=INK, linestyle="--"),
     ]

@@ -315,6 +315,62 @@ def test_a_limit_far_away_and_a_nominal_design_that_fails():
         tornado_chart(_analysis(), "mass")
 
 
+def _narrow():
+    """An efficiency of 80.4918 % with a standard deviation of 1.5·10⁻⁵ %."""
+    deviation = 1.5e-7
+    level = 0.804918
+    quantiles = tuple(level + k * deviation for k in (-3.0, -1.6, 0.0, 1.6, 3.0))
+    one = Estimate(level, deviation, quantiles, None, (0.9, 0.1))
+    ends = ZoneEnds(level, np.array([level - 4e-7, level]), np.array([level + 5e-7, level + 2e-8]))
+    values = level + deviation * np.random.default_rng(2).standard_normal(200)
+    slopes = {"efficiency": np.array([1.4e-7, 0.5e-7]), "max_pressure": np.array([2e3, 1e3])}
+    pressure = Estimate(2.1e9, 2.2e3, (2.1e9,) * 5, None, (0.8, 0.2))
+    both = {"efficiency": one, "max_pressure": pressure}
+    samples = {"efficiency": values, "max_pressure": 2.1e9 + 1e10 * (values - level)}
+    methods = {
+        "first_order": MethodResult(both, None, None, slopes=slopes),
+        "monte_carlo": MethodResult(
+            both, None, None, samples=200, values=samples, ends={"efficiency": ends}
+        ),
+    }
+    return dataclasses.replace(
+        _two_quantities(), methods=methods, limits=(None, None)
+    ), ends, quantiles  # fmt: skip
+
+
+def test_a_scatter_far_below_the_value_can_be_read():
+    """Numbers differ in the picture and in the table, and axes have no addend at their end."""
+    analysis, ends, quantiles = _narrow()
+    figures = [
+        tornado_chart(analysis, "efficiency"),
+        tolerance_scatter(analysis, "efficiency", "max_pressure"),
+        tolerance_histograms(analysis),
+    ]
+    for figure in figures:
+        for axes in figure.axes:
+            for axis in (axes.xaxis, axes.yaxis):
+                assert axis.get_offset_text().get_text() == ""
+            boxes = [
+                one.get_window_extent()
+                for one, at in zip(axes.get_xticklabels(), axes.get_xticks(), strict=True)
+                if one.get_text() and axes.get_xlim()[0] <= at <= axes.get_xlim()[1]
+            ]
+            assert len(boxes) >= 2
+            assert all(a.x1 < b.x0 for a, b in itertools.pairwise(boxes))
+    chart = Chart(figures[0])
+    found = [float(chart.text(start)) for start in ("80.49176", "80.49185", "80.491802")]
+    expected = [100 * value for value in (ends.lower[0], ends.upper[0], ends.upper[1])]
+    # To a tenth of the bar.
+    assert found == pytest.approx(expected, abs=1e-7)
+    assert "nominal: 80.49180" in chart.text("nominal: ")
+    row = next(line for line in analysis.text().split("\n") if "efficiency" in line)
+    cells = row.split("first order")[1].split()
+    assert [float(cell) for cell in cells[2:7]] == pytest.approx(
+        [100 * one for one in quantiles], abs=1.5e-6
+    )
+    assert len(set(cells[2:7])) == 5
+
+
 @reads("chart", "yield_chart")
 def test_yield_against_the_width_of_all_tolerances():
     factors = np.array([0.5, 1.0, 2.0])
