@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..report.drawings import Length
+from ..report.drawings import Beside, Length
 from ..text import printable
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ _HATCHING, _CONTACTS = "HATCHING", "CONTACTS"
 _OTHERS = {_CENTRE: 1, _DIMENSIONS: 7, _TEXT: 7, _HATCHING: 9, _CONTACTS: 4}
 #: Height of letters on paper [mm].
 LETTERS = 2.5
+#: Width of a letter over its height.
+_WIDTH = 0.9
 _STYLE = "PRSM"
 
 
@@ -126,9 +128,12 @@ class DxfCanvas:
             self._space.add_point(point, dxfattribs={"layer": _CONTACTS})
 
     def horizontal_dimension(
-        self, x0: Length, x1: Length, y: Length, words: str, start: Length, beside: bool = False
+        self, x0: Length, x1: Length, y: Length, words: str, start: Length, beside: Beside = ""
     ) -> None:
-        """A linear dimension, whose measured length the reading program finds again."""
+        """A linear dimension, whose measured length the reading program finds again.
+
+        The words stand over the line, or beside it on the left or right where there is no room.
+        """
         dimension = self._space.add_linear_dim(
             self._at((x0 + x1) / 2, y),
             self._at(x0, start),
@@ -137,6 +142,10 @@ class DxfCanvas:
             dimstyle=_STYLE,
             dxfattribs={"layer": _DIMENSIONS},
         )
+        if beside:
+            away = self.paper(1.2 + _WIDTH * LETTERS * len(words) / 2)
+            middle = x1 + away if beside == "right" else x0 - away
+            dimension.set_location(self._at(middle, y))
         dimension.render()
 
     def leader(

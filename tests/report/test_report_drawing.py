@@ -45,6 +45,35 @@ def _circles(axes):
     return found
 
 
+@pytest.mark.parametrize("scale", [1.0, 0.25])
+def test_no_words_of_the_section_lie_on_lines_or_on_each_other(actuator, scale):
+    """Also with a gear and a carrier that are narrow."""
+    stage = actuator.stages[0]
+    for name, width in (
+        ("stage.gear.face_width", stage.gear.face_width),
+        ("stage.carrier.length", stage.carrier.length),
+    ):
+        actuator = set_parameter(actuator, name, scale * float(width))
+    figure = cross_section({"": actuator})
+    figure.draw_without_rendering()
+    axes = next(a for a in figure.axes if any("broken off" in t.get_text() for t in a.texts))
+    words = [t for t in axes.texts if t.get_text()]
+    boxes = {t.get_text(): t.get_window_extent() for t in words}
+    below = {w: b for w, b in boxes.items() if w.startswith(("gear", "carrier", "screw", "roller"))}
+    assert len(below) >= 4
+    for name, box in below.items():
+        for other, second in boxes.items():
+            assert name == other or not box.overlaps(second), (name, other)
+        for line in axes.lines:
+            along = np.asarray(line.get_xdata())
+            if len(along) == 2 and along[0] == along[1]:
+                path = axes.transData.transform(np.column_stack([along, line.get_ydata()]))
+                apart = path[0, 0] < box.x0 or path[0, 0] > box.x1
+                apart |= max(path[:, 1]) < box.y0 or min(path[:, 1]) > box.y1
+                # The words over the dimension of the roller hide the lines behind them.
+                assert apart or name.startswith("roller"), name
+
+
 def test_missing_and_displaced_rollers_are_seen(wu2022):
     rollers = (
         UnequalRoller(3, position_offset=jnp.asarray(0.1)),

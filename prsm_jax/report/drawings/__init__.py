@@ -4,7 +4,7 @@ from ._axial_section import (
     draw_axial_section as draw_axial_section,
     drawn_half_length as drawn_half_length,
 )
-from ._canvas import Canvas as Canvas, Length as Length
+from ._canvas import Beside as Beside, Canvas as Canvas, Length as Length
 from ._cross_section import cross_section as cross_section
 from ._drawing_dimensions import (
     DrawingDimensions as DrawingDimensions,

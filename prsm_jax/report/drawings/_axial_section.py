@@ -16,7 +16,9 @@ from ._thread_profile import (
 )
 
 #: Space for the dimensions above and below the section, on paper [mm].
-ABOVE, BELOW = 8.0, 18.0
+ABOVE, BELOW = 8.0, 21.0
+#: Width of a letter on paper, in the format with the larger letters [mm].
+_LETTER = 2.0
 #: How far the screw is drawn beyond the nut [mm, real].
 _STUB = 5.0
 
@@ -149,11 +151,25 @@ def _dimensions(sheet: Canvas, dims: DrawingDimensions, half: float) -> None:
             -roller, roller, below, f"roller {trimmed(dims.roller_length)}", dims.centre_distance
         )
     _end_dimensions(sheet, dims)
-    left, right = sheet.ends
+    _, right = sheet.ends
     sheet.scale_bar(right - sheet.paper(2) - 10, below + sheet.paper(0.9), 10)
     if dims.screw_length is not None and dims.screw_length / 2 > half:
-        words = f"screw {trimmed(dims.screw_length)},\nbroken off"
-        sheet.text(left + sheet.paper(2), below, words, ha="left", va="center")
+        words = f"screw {trimmed(dims.screw_length)}, broken off"
+        sheet.text(0, -sheet.paper(19), words)
+
+
+def _narrow_dimension(
+    sheet: Canvas, ends: tuple[float, float], y: float, words: str, start: float
+) -> None:
+    """A dimension with words over its line, or towards the middle if it is narrow.
+
+    There no extension lines run, which are to the outside.
+    """
+    x0, x1 = ends
+    roomy = x1 - x0 >= sheet.paper(_LETTER * len(words) + 1)
+    sheet.horizontal_dimension(
+        x0, x1, y, words, start, "" if roomy else "right" if x0 < 0 else "left"
+    )
 
 
 def _end_dimensions(sheet: Canvas, dims: DrawingDimensions) -> None:
@@ -163,7 +179,7 @@ def _end_dimensions(sheet: Canvas, dims: DrawingDimensions) -> None:
     if dims.gear_width is not None:
         inside = roller - min(dims.gear_width, roller / 2)
         words = f"gear {trimmed(dims.gear_width)}"
-        sheet.horizontal_dimension(-roller, -inside, below, words, middle - dims.roller_radius)
+        _narrow_dimension(sheet, (-roller, -inside), below, words, middle - dims.roller_radius)
     words = []
     if dims.ring_length is not None and dims.ring_outer_radius is not None:
         words.append(
@@ -172,9 +188,8 @@ def _end_dimensions(sheet: Canvas, dims: DrawingDimensions) -> None:
     inner, outer, length = dims.carrier_inner_radius, dims.carrier_outer_radius, dims.carrier_length
     if inner is not None and outer is not None and length is not None:
         if dims.carrier_count > 1:
-            sheet.horizontal_dimension(
-                roller, roller + length, below, f"carrier {trimmed(length)}", inner
-            )
+            words_of_one = f"carrier {trimmed(length)}"
+            _narrow_dimension(sheet, (roller, roller + length), below, words_of_one, inner)
         words.append(f"carrier {trimmed(length)}, ⌀{trimmed(2 * inner)} to ⌀{trimmed(2 * outer)}")
     if words:
         sheet.text(0, -sheet.paper(15.5), "; ".join(words))

@@ -1,9 +1,11 @@
 """What views are drawn on, in real millimetres."""
 
-from typing import Any, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Literal, Protocol, TypeAlias, runtime_checkable
 
 #: A length on the drawing or on paper [mm].
 Length: TypeAlias = float | int
+#: Where the words of a dimension stand: over its line, or beside it.
+Beside: TypeAlias = Literal["", "left", "right"]
 CONTACT_COLOURS = {"screw": "#d55e00", "nut": "#0072b2"}
 
 
@@ -51,9 +53,12 @@ class Canvas(Protocol):
         ...
 
     def horizontal_dimension(
-        self, x0: Length, x1: Length, y: Length, words: str, start: Length, beside: bool = False
+        self, x0: Length, x1: Length, y: Length, words: str, start: Length, beside: Beside = ""
     ) -> None:
-        """A dimension between two abscissae at height y, with extension lines from `start`."""
+        """A dimension between two abscissae at height y, with extension lines from `start`.
+
+        The words stand over the line, or beside it on the left or right where there is no room.
+        """
         ...
 
     def leader(

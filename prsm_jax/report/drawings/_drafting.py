@@ -9,7 +9,7 @@ import numpy as np
 
 from .._parts import CHAIN
 from .._style import BODY_COLOURS, INK, MUTED, SMALL, Axes, Figure, place_axes
-from ._canvas import CONTACT_COLOURS, Length
+from ._canvas import CONTACT_COLOURS, Beside, Length
 
 _ARROW = {"arrowstyle": "<|-|>", "mutation_scale": 5.5, "shrinkA": 0, "shrinkB": 0}
 
@@ -86,18 +86,20 @@ class AbstractSheet(abc.ABC):
         self.line(xs, ys, ls=CHAIN)
 
     def horizontal_dimension(
-        self, x0: Length, x1: Length, y: Length, words: str, start: Length, beside: bool = False
+        self, x0: Length, x1: Length, y: Length, words: str, start: Length, beside: Beside = ""
     ) -> None:
         """A dimension between two abscissae at height y, with extension lines from height `start`.
 
-        The words stand over the line, or beside it where there is no room.
+        The words stand over the line, or beside it on the left or right where there is no room.
         """
         overshoot = math.copysign(self.paper(0.8), y - start)
         for x in (x0, x1):
             self.line((x, x), (start, y + overshoot), lw=0.35)
         self.double_arrow(x0, x1, y)
-        if beside:
+        if beside == "right":
             self.text(x1 + self.paper(1.2), y, words, ha="left")
+        elif beside == "left":
+            self.text(x0 - self.paper(1.2), y, words, ha="right")
         else:
             # Extension lines of wider dimensions pass behind the words, not through them.
             behind = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}

@@ -87,7 +87,7 @@ def _dimensions(sheet: Canvas, dims: DrawingDimensions) -> None:
         return f"{body} and gear" if body == dims.gear_body else body
 
     roller = f"Ø{trimmed(2 * r)} roller"
-    sheet.horizontal_dimension(a - r, a + r, level(0), roller, 0.0, beside=True)
+    sheet.horizontal_dimension(a - r, a + r, level(0), roller, 0.0, beside="right")
     sheet.horizontal_dimension(0, a, level(1), f"a = {trimmed(a)}", 0.0)
     below = [
         (dims.screw_radius, f"Ø{trimmed(2 * dims.screw_radius)} {with_gear('screw')}"),

@@ -525,7 +525,7 @@ def test_drawing(actuator):
     says(across, "bore Ø", "", 2 * bore)
     says(along, "nut ", "", float(stage.nut.length))
     says(along, "roller ", "", float(stage.roller.length))
-    says(along, "screw ", ",\nbroken off", float(stage.screw.length))
+    says(along, "screw ", ", broken off", float(stage.screw.length))
     ring, half = stage.ring_gear, float(present(stage.carrier.radial_width)) / 2
     says(along, "gear ", "", float(present(stage.gear.face_width)))
     says(along, "carrier ", "", float(present(stage.carrier.length)))
