@@ -4,7 +4,7 @@ import numpy as np
 
 from ...text import trimmed
 from .._style import INK
-from ._canvas import Canvas
+from ._canvas import Beside, Canvas
 from ._drawing_dimensions import DrawingDimensions
 from ._thread_profile import (
     nut_profile,
@@ -161,15 +161,20 @@ def _dimensions(sheet: Canvas, dims: DrawingDimensions, half: float) -> None:
 def _narrow_dimension(
     sheet: Canvas, ends: tuple[float, float], y: float, words: str, start: float
 ) -> None:
-    """A dimension with words over its line, or towards the middle if it is narrow.
+    """A dimension at an end of the section, with words over its line, or beside it if it is narrow.
 
-    There no extension lines run, which are to the outside.
+    They stand outside if there is room up to the end of the sheet, else under the roller: only
+    lines of the two dimensions at the ends pass there.
     """
     x0, x1 = ends
-    roomy = x1 - x0 >= sheet.paper(_LETTER * len(words) + 1)
-    sheet.horizontal_dimension(
-        x0, x1, y, words, start, "" if roomy else "right" if x0 < 0 else "left"
-    )
+    needed = sheet.paper(_LETTER * len(words) + 1)
+    left, right = sheet.ends
+    side: Beside = ""
+    if x1 - x0 < needed:
+        side = "left" if x0 < 0 else "right"
+        if (x0 - left if x0 < 0 else right - x1) < needed:
+            side = "right" if x0 < 0 else "left"
+    sheet.horizontal_dimension(x0, x1, y, words, start, side)
 
 
 def _end_dimensions(sheet: Canvas, dims: DrawingDimensions) -> None:
