@@ -9,8 +9,8 @@ from ..interactive import Chart
 
 #: How a cell with a number begins: a sign, digits or infinity.
 _NUMBER = re.compile("[-+\N{MINUS SIGN}<>≤≥]?\\s*[\\d∞]")
-
-
+#: A longer cell is a sentence.
+_SENTENCE = 60
 #: A table of more rows may not fit on a page.
 _ROWS_OF_A_PAGE = 22
 
@@ -25,11 +25,14 @@ class Table:
 
     @property
     def text_columns(self) -> tuple[int, ...]:
-        """The first column, and those in which most cells do not begin with a number."""
+        """The first column, and those in which most cells are not numbers.
+
+        A sentence is none, although it may begin with one.
+        """
         columns = [0]
         for index in range(1, len(self.head)):
             cells = [row[index] for row in self.rows if row[index]]
-            words = [cell for cell in cells if not _NUMBER.match(cell)]
+            words = [one for one in cells if len(one) > _SENTENCE or not _NUMBER.match(one)]
             if 2 * len(words) > len(cells):
                 columns.append(index)
         return tuple(columns)

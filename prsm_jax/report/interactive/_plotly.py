@@ -9,6 +9,8 @@ from ._chart import Axis, Chart, Curve, numbers
 
 #: Height of a panel, and of titles and axis [pixels].
 _PANEL, _EXTRA = 210, 90
+#: Width at the right for the tools of a chart, under each other [pixels].
+_TOOLS = 45
 #: Share of the height between two panels.
 _GAP = 0.07
 _HOVER = "%{{x{x}}}{x_unit}<br>%{{y:.6~g}}{y_unit}<extra>{name}</extra>"
@@ -33,7 +35,9 @@ def plotly_figure(chart: Chart) -> dict[str, Any]:
     """A chart as traces and layout; names are escaped, since plotly reads some HTML in them."""
     layout: dict[str, Any] = {
         "height": _PANEL * len(chart.panels) + _EXTRA,
-        "margin": {"l": 75, "r": 20, "t": 30, "b": 50},
+        "margin": {"l": 75, "r": _TOOLS, "t": 30, "b": 50},
+        # Across the top they would cover the legend.
+        "modebar": {"orientation": "v"},
         "font": {"size": 12, "color": INK},
         "paper_bgcolor": "white",
         "plot_bgcolor": "white",

@@ -9,6 +9,7 @@ from prsm_jax.geometry import Finding
 from prsm_jax.optimisation import ConstraintReport
 from prsm_jax.report import summarise_optimisation, write_report
 from prsm_jax.report.document import _write
+from prsm_jax.report.document._section import Table
 
 _START = Finding("buckling", "warning", 1, 1.2, 2.0, "the screw is slender")
 _END = Finding("backlash", "error", 1, -8e-6, 0.0, "teeth interfere by 8 µm")
@@ -87,6 +88,21 @@ def test_what_check_keeps_the_optimum_from_is_named_as_a_limit(wu2022):
     assert (limit.sense, limit.active, limit.use) == ("lower", True, 1.0)
     assert (found.quantities[-1].before, found.quantities[-1].after) == (55e-6, 1e-6)
     assert not [one for one in (*found.limits, *found.quantities) if "bore" in str(one)]
+
+
+def test_a_sentence_that_begins_with_a_number_stands_on_the_left():
+    sentences = ("90 ring gear teeth are not divisible by 11 rollers: each roller must be turned",)
+    table = Table("", ("check", "message", "value"), (("gear assembly", *sentences, "2.5 MPa"),))
+    assert table.text_columns == (0, 1)
+
+
+def test_names_of_checks_are_not_broken(pages):
+    html, _ = pages()
+    rule = "#findings td:not(:last-child) { overflow-wrap: normal; white-space: nowrap; }"
+    assert rule in html
+    # The message is last.
+    table = html[html.index('id="findings"') :].split("</table>")[0]
+    assert table.rindex('class="text">message</th>') > table.rindex(">check</th>")
 
 
 def test_words_stand_on_the_left_and_numbers_on_the_right(pages):

@@ -111,6 +111,13 @@ def test_losses_and_frequencies():
     assert found["carrier 1"] == pytest.approx(840.0)
     assert found["torsional 3"] == pytest.approx(27e3)
     assert "rigid 1" not in found
+    # Tools stand under each other beside the diagram: across the top they cover the legend.
+    assert page.figure["layout"]["modebar"]["orientation"] == "v"
+    assert page.figure["layout"]["margin"]["r"] >= 40
+    # As the caption says of the picture, where four frequencies are double and one is fourfold.
+    assert sum(word.endswith(" ×2") for word in found) == 4
+    assert sum(word.endswith(" ×4") for word in found) == 1
+    assert not any("×1" in word for word in found)
 
 
 def test_deflection_life_and_shaft(actuator):
