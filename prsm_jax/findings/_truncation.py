@@ -71,31 +71,31 @@ def _loads(analysis: Analysis, index: int) -> dict[str, tuple[Scalar, Scalar]]:
     return loads
 
 
-def _whole_loads(analysis: Analysis, index: int) -> list[Scalar]:
+def _whole_loads(analysis: Analysis, index: int) -> dict[str, Scalar]:
     """Loads as the second ones of `_load` where no ellipse is cut, so that capacities are higher.
 
     An addendum that is enough for the present capacity would be too low for the one it gives.
     """
-    stage, loads = analysis.mechanism.stages[index], []
+    stage, loads = analysis.mechanism.stages[index], {}
     for which, (_, of_thread) in _loads(analysis, index).items():
         fatigue = truncated_fatigue_of(analysis, index, stage) if which == "dynamic" else None
         if fatigue is not None:
             factor = sharing_factor_of(analysis, index, "equivalent")
-            loads.append(fatigue.untruncated * factor)
+            loads[which] = fatigue.untruncated * factor
         elif which == "static" and derives_static_capacity(stage):
             factor, meshing = sharing_factor_of(analysis, index), analysis.meshing(index)
             contact = analysis.reference_contact(index)
             whole = strength.static_capacity(stage, meshing, contact, factor, (None, None))
-            loads.append(whole * factor)
+            loads[which] = whole * factor
         else:
-            loads.append(of_thread)
+            loads[which] = of_thread
     return loads
 
 
-def _whole_extent(analysis: Analysis, index: int, reach: strength.EndReach) -> Scalar:
-    """Half-extent of the longest ellipse towards an end, if none is cut [m]."""
+def _whole_extents(analysis: Analysis, index: int, reach: strength.EndReach) -> dict[str, Scalar]:
+    """Half-extents of the ellipses towards an end at all loads, if none is cut [m]."""
     loads = analysis.once(("whole_loads", index), lambda: _whole_loads(analysis, index))
-    return jnp.max(jnp.stack([reach.half_extent(load) for load in loads]))
+    return {which: reach.half_extent(load) for which, load in loads.items()}
 
 
 def _reaches(analysis: Analysis, index: int) -> tuple[strength.EndReach, ...]:
@@ -185,9 +185,19 @@ def _contact_truncation(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         def details(analysis: Analysis, place=place, body=body) -> dict[str, Scalar]:
             reach = _reaches(analysis, index)[place]
             numbers = {"distance": reach.end.distance}
+            stage, extents = (
+                analysis.mechanism.stages[index],
+                _whole_extents(analysis, index, reach),
+            )
+            if "static" in extents and derives_static_capacity(stage):
+                # The ellipse at a Hertz pressure is as long as this pressure is high.
+                assert stage.strength is not None
+                permissible = stage.strength.permissible_pressure
+                assert permissible is not None
+                numbers["pressure"] = permissible * reach.end.distance / extents["static"]
             if reach.end.kind == "crest":
-                stage = analysis.mechanism.stages[index]
-                lacking = _whole_extent(analysis, index, reach) - reach.end.distance
+                longest = jnp.max(jnp.stack(list(extents.values())))
+                lacking = longest - reach.end.distance
                 present = getattr(stage.thread, _addendum_of(body))
                 numbers["needed"] = present + lacking / reach.end.lengthening
                 points = [pointed_height(stage, one) for one in _BODIES_OF[_addendum_of(body)]]
@@ -279,21 +289,74 @@ def _taken(stage: Stage) -> str:
 
 def _remedy(reading: Reading, index: int, kind: str, body: str) -> str:
     """What to change so that no ellipse passes an end of the flank."""
-    load = "engage more threads or rollers, or lower the load"
+    others, aside = _without_the_thread(reading, index)
     if kind == "root":
-        return f"deepen the {body}'s thread, {load}"
+        return _any_of(f"deepen the {body}'s thread", *others) + aside
     name = _addendum_of(body)
     present = float(getattr(reading.mechanism.stages[index].thread, name)) * 1e3
     needed, point = reading.details["needed"] * 1e3, reading.details["point"] * 1e3
     if not isfinite(needed):
-        return f"raise stage.thread.{name}, {load}"
+        return _any_of(f"raise stage.thread.{name}", *others) + aside
     proposed = _round_up(needed, point)
     if proposed is not None:
-        return f"raise stage.thread.{name} from {present:.6g} to {proposed} mm, {load}"
+        raised = f"raise stage.thread.{name} from {present:.6g} to {proposed} mm"
+        return _any_of(raised, *others) + aside
     return (
-        f"raise the pitch, {load}; {needed:.4g} mm of stage.thread.{name} ({present:.6g} mm now) "
-        f"would be enough, but at this pitch the flanks of a tooth end at {point:.4g} mm"
+        f"{_any_of('raise the pitch', *others)}{aside}; {needed:.4g} mm of stage.thread.{name} "
+        f"({present:.6g} mm now) would be enough, but at this pitch the flanks of a tooth end at "
+        f"{point:.4g} mm"
     )
+
+
+def _any_of(*ways: str) -> str:
+    """Ways of which one is enough."""
+    *others, last = ways
+    return f"{', '.join(others)}, or {last}" if others else last
+
+
+def _without_the_thread(reading: Reading, index: int) -> tuple[list[str], str]:
+    """What else shortens all ellipses that are cut, and what shortens only some of them.
+
+    At a static capacity derived from the permissible pressure, the pressure determines the
+    ellipse, whatever the number of threads; a dynamic capacity derived from the contacts grows
+    with this number, so that the ellipse hardly changes. The load changes no capacity.
+    """
+    stage, numbers = reading.mechanism.stages[index], reading.details
+    distance = numbers["distance"]
+    if not distance > 0:
+        # The contact itself, and the shortest ellipse, lies beyond the end.
+        return [], ""
+    cut = {w for w in _LOADS if numbers.get(w + "_half_extent", 0.0) > distance}
+    derived = set()
+    if derives_static_capacity(stage):
+        derived.add("static")
+    if derives_dynamic_capacity(stage):
+        derived.add("dynamic")
+    ways = []
+    if not cut & derived:
+        ways.append("engage more threads or rollers")
+    if not cut & {"static", "dynamic"}:
+        ways.append("lower the load")
+    if cut == {"static"} & derived:
+        assert stage.strength is not None
+        assert stage.strength.permissible_pressure is not None
+        present, needed = float(stage.strength.permissible_pressure), numbers["pressure"]
+        ways.append(
+            f"lower stage.strength.permissible_pressure from {present * 1e-9:.6g} to "
+            f"{_round_down(needed * 1e-9)} GPa, and with it the static capacity"
+        )
+    under = cut & {"operating", "largest"}
+    if not under or "lower the load" in ways:
+        return ways, ""
+    names = " and ".join(_LOADS[w] for w in _LOADS if w in under)
+    partial = "a lower load" if ways else "more engaged threads or rollers, or a lower load,"
+    return ways, f" ({partial} would help at {names} only)"
+
+
+def _round_down(value: float) -> str:
+    """A number of three digits that is not above a positive one."""
+    step = 10.0 ** (floor(log10(value)) - 2)
+    return f"{floor(value / step) * step:.3g}"
 
 
 def _round_up(needed: float, greatest: float) -> str | None:

@@ -95,9 +95,93 @@ def test_no_addendum_beyond_the_point_of_a_tooth():
     for finding in found:
         read = _TOO_HIGH.search(finding.message)
         assert read is not None, finding.message
-        assert "Remedy: raise the pitch, engage more threads" in finding.message
+        assert "Remedy: raise the pitch, or lower stage.strength.permissible" in finding.message
         assert float(read[3]) == pytest.approx(_POINTS[read[2]], rel=1e-3)
         assert float(read[1]) > _POINTS[read[2]]
+
+
+_LOWER = re.compile(
+    r"lower stage\.strength\.permissible_pressure from ([\d.]+) to ([\d.]+) GPa, and with it"
+)
+_ADDENDUM = re.compile(r"raise stage\.thread\.\w+ from [\d.]+ to [\d.]+ mm")
+_THREADS, _LOAD = "engage more threads or rollers", "lower the load"
+
+
+def _remedies(found):
+    """Remedies of the findings, the addenda that each begins with left out."""
+    sentences = [f.message.split("Remedy: ")[1] for f in found]
+    assert sentences
+    assert all(_ADDENDUM.match(one) for one in sentences)
+    return [_ADDENDUM.sub("", one, count=1).strip(", ") for one in sentences]
+
+
+def _with_threads(scene, factor):
+    return eqx.tree_at(
+        lambda m: m.stages[0].engaged_threads, scene, factor * scene.stages[0].engaged_threads
+    )
+
+
+def _with_load(scene, load):
+    return eqx.tree_at(lambda m: m.operating_point.load, scene, load * np.ones(()))
+
+
+@pytest.mark.parametrize("pressure", [2.9e9, 4.2e9])
+def test_at_a_derived_static_capacity_only_the_pressure_shortens_the_ellipse(pressure):
+    """The ellipse at a given Hertz pressure is the same for any number of threads and any load."""
+    scene = screw_of_30_mm(5e-3, addendum=0.1, strength=Strength(permissible_pressure=pressure))
+    found, remedies = _found(scene), []
+    for finding in found:
+        assert _THREADS not in finding.message
+        assert _LOAD not in finding.message
+        read = _LOWER.search(finding.message)
+        assert read is not None, finding.message
+        assert float(read[1]) == pytest.approx(pressure * 1e-9)
+        remedies.append(float(read[2]) * 1e9)
+    for changed in (_with_threads(scene, 3.0), _with_load(scene, 1e3)):
+        same = _found(changed)
+        np.testing.assert_allclose([f.value for f in same], [f.value for f in found], rtol=1e-9)
+    cured = prsm.set_parameter(scene, "permissible_pressure", min(remedies))
+    assert not _found(cured)
+    # No lower than needed: three digits.
+    assert _found(prsm.set_parameter(scene, "permissible_pressure", 1.01 * min(remedies)))
+
+
+@pytest.mark.parametrize("fatigue_rule", ["equivalent_balls", "lundberg_palmgren"])
+def test_at_a_derived_dynamic_capacity_only_the_thread_is_named(fatigue_rule):
+    """The capacity grows with the number of threads: three times as many change the cut little."""
+    data = Strength(material_factor=0.6, fatigue_rule=fatigue_rule)
+    scene = screw_of_30_mm(5e-3, addendum=0.08, load=1e3, strength=data)
+    assert set(_remedies(_found(scene))) == {""}
+    assert _found(_with_load(scene, 100.0))
+    assert _found(_with_threads(scene, 2.0))
+    assert not _found(_raised(scene, _found(scene))[0])
+
+
+def test_at_given_capacities_more_threads_help_and_a_lower_load_does_not():
+    scene = _scene("given")
+    assert set(_remedies(_found(scene))) == {f"or {_THREADS}"}
+    assert _found(_with_load(scene, 100.0))
+    assert not _found(_with_threads(scene, 10.0))
+
+
+def test_under_a_load_more_threads_and_a_lower_load_help():
+    scene = _with_load(_scene("pressures alone"), 200e3)
+    assert set(_remedies(_found(scene))) == {f"{_THREADS}, or {_LOAD}"}
+    assert not _found(_with_load(scene, 1e3))
+    assert not _found(_with_threads(scene, 20.0))
+
+
+def test_a_load_beside_a_capacity_is_named_for_what_it_is():
+    """Neither a lower load nor more threads shorten the ellipse at the static capacity."""
+    data = Strength(permissible_pressure=2.9e9)
+    scene = screw_of_30_mm(5e-3, addendum=0.08, load=150e3, strength=data)
+    for remedy in _remedies(_found(scene)):
+        assert remedy == (
+            "(more engaged threads or rollers, or a lower load, would help at the operating load "
+            "and the largest load only)"
+        )
+    assert {f.message.count("at the operating load of 150 kN") for f in _found(scene)} == {1}
+    assert _found(_with_load(_with_threads(scene, 20.0), 1e3))
 
 
 @pytest.mark.parametrize("kind", _STRENGTHS)
