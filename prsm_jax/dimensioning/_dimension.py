@@ -5,7 +5,8 @@ import math
 
 import numpy as np
 
-from ..mechanism import Mechanism, OperatingPoint
+from ..friction import CoulombFriction
+from ..mechanism import Mechanism, OperatingPoint, Stage
 from ..results import Shown
 from ..text import Line, aligned, display_unit, number
 from ._limits import fits, margins, relaxations
@@ -148,5 +149,27 @@ def _mechanism(row: dict[str, float], wanted: Requirements) -> Mechanism:
     screw = dataclasses.replace(stage.screw, length=length)
     stage = dataclasses.replace(stage, strength=strength, screw=screw)
     turning = 2 * math.pi * wanted.speed / (row["lead_mm"] * 1e-3)
-    point = OperatingPoint(turning, wanted.load)
+    point = OperatingPoint(turning, wanted.load, _duration(stage, turning, wanted.load))
     return dataclasses.replace(mechanism, stages=(stage,), operating_point=point)
+
+
+def _duration(stage: Stage, speed: float, load: float) -> float:
+    """Duration of a transient in which the carriers settle after a step to a speed [s].
+
+    Thread friction gives the rollers, in the time that is estimated, the angular momentum of a
+    carrier that turns at r_S/(2 (r_S + r_R)) of the screw's speed. They settle a little sooner,
+    because friction at the nut turns them too; three times as long shows it.
+    """
+    assert stage.material is not None
+    assert stage.friction is not None
+    assert isinstance(stage.friction.thread, CoulombFriction)
+    assert stage.material.density is not None
+    assert stage.roller.length is not None
+    radius, density = float(stage.thread.roller_radius), float(stage.material.density)
+    volume = math.pi * radius**2 * float(stage.roller.length)
+    mass = float(stage.roller_count) * density * volume
+    friction = float(stage.friction.thread.coefficient) * load
+    orbit = float(stage.thread.screw_radius) + radius
+    least = 3 * mass * orbit * speed / (2 * friction)
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(step * power for step in (1, 2, 5, 10) if step * power >= least)

@@ -262,8 +262,8 @@ class Mechanism(Limited, Shown):
     )
     #: Default scenario of `simulate`.
     scenario: Scenario | TorqueScenario | None = part(
-        "transients are the settling after a step to the operating point: no mission, no driving "
-        "torque"
+        "transients are the settling after a step to the operating point, which needs a duration: "
+        "no mission, no driving torque"
     )
     tolerances: tuple[Tolerance, ...] | None = choice(
         "the [tolerances] table of the file",

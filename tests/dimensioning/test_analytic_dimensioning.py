@@ -150,6 +150,28 @@ def test_the_mechanism_has_the_lengths_and_the_operating_point(made_up):
     assert not found.sentences()
 
 
+@pytest.mark.parametrize("place", [0, 22, 60, 89])
+@pytest.mark.parametrize(("load", "speed"), [(500.0, 0.3), (30e3, 0.02)])
+def test_the_carriers_settle_in_the_first_third_of_the_duration(place, load, speed):
+    """Against the transient: long enough to settle, and not so long that nothing is to be seen."""
+    wanted = Requirements(**_WANTED | {"load": load, "speed": speed})
+    made = _dimension._mechanism(catalogue_rows()[place], wanted)
+    run = prsm_jax.simulate(made)
+    assert run.solver.code == 0
+    point = made.operating_point
+    assert point is not None
+    assert point.duration is not None
+    duration = float(point.duration)
+    assert float(run.time[-1]) == duration
+    # One digit, which a person may change.
+    assert f"{duration:.0e}"[0] in "125"
+    assert float(f"{duration:.0e}") == pytest.approx(duration, rel=1e-12)
+    (ratio,) = np.asarray(run.carrier_ratio)
+    (settled,) = np.asarray(prsm_jax.steady_state(made).carrier_ratio)
+    moving = np.asarray(run.time)[np.abs(ratio - settled) > 1e-3 * settled]
+    assert 0.03 < moving[-1] / duration < 1 / 3
+
+
 def test_what_to_relax_is_said_with_numbers(made_up):
     found = dimension(**_WANTED | {"envelope": 0.02})
     assert found.size is None

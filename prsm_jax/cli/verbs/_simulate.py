@@ -250,7 +250,10 @@ def simulate(
     ] = True,
     common: Common = _DEFAULT,
 ) -> int:
-    """Time histories of the file's [scenario]; without one, after a step to the operating point."""
+    """Time histories of the file's [scenario]; without one, after a step to the operating point.
+
+    The step needs a duration of the operating point.
+    """
     mechanism = common.load(file)
     expect_programs("_transient", "_numbers")
     run = _transient(mechanism, method, samples, rtol, atol, max_steps)

@@ -46,10 +46,12 @@ def default_scenario(mechanism: Mechanism) -> Scenario | TorqueScenario:
     """
     if mechanism.scenario is not None:
         return mechanism.scenario
-    point = mechanism.operating_point
-    if point is None or point.duration is None:
+    point, other = mechanism.operating_point, "[scenario] (in Python, a Scenario as an argument)"
+    if point is None:
         raise MissingDataError(
-            "no scenario: pass one, or give [scenario], or [operating_point] with speed, load and "
-            "duration"
+            "neither scenario nor operating point is given: give [operating_point] with speed, "
+            f"load and duration, or {other}"
         )
+    if point.duration is None:
+        raise MissingDataError(f"operating_point.duration is missing: give it, or {other}")
     return Scenario(point.speed, point.load, point.duration)

@@ -100,3 +100,20 @@ def test_running_out_of_steps_is_reported():
     scenario = prsm.Scenario(array(100.0), array(7e3), array(1e-3), samples=11)
     with pytest.raises(prsm.PrsmError, match=r"out of steps.*raise max_steps"):
         prsm.simulate(one, scenario, method="explicit", max_steps=3)
+
+
+@pytest.mark.parametrize(
+    ("place", "start"),
+    [
+        (lambda m: m.operating_point.duration, "operating_point.duration is missing: give it, or"),
+        (lambda m: m.operating_point, "neither scenario nor operating point is given"),
+    ],
+)
+def test_without_a_scenario_the_error_names_what_is_missing(place, start):
+    incomplete = eqx.tree_at(place, prsm.load("actuator"), None)
+    with pytest.raises(prsm.MissingDataError) as refused:
+        prsm.simulate(incomplete)
+    words = str(refused.value)
+    assert words.startswith(start)
+    assert ("load" in words) == ("neither" in start)
+    assert "[scenario] (in Python, a Scenario as an argument)" in words

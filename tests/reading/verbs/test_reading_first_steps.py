@@ -84,6 +84,8 @@ def test_new(at, capsys):
     rpm = 120 * 60 / _ROW["lead_mm"]
     assert_reads(point["speed"], (rpm * 2 * 3.141592653589793 / 60, "rad/s", "coarse"))
     assert_reads(point["load"], (11e3, "N", "coarse"))
+    duration = present(present(_mechanism(_ROW, Requirements(**_ASKED)).operating_point).duration)
+    assert_reads(point["duration"], (float(duration), "s", "coarse"))
     assert_reads(stage["thread"]["lead"], (_ROW["lead_mm"] * 1e-3, "m", "coarse"))
     assert_reads(stage["strength"]["required_life"], (4000 * 3600, "s", "coarse"))
     length = 310 + _ROW["nut_length_mm"]

@@ -16,6 +16,7 @@ from ....text import display_unit
 #: Comments of tables and numbers that are the same in every new file.
 _FIXED = {
     "operating_point.load": "as required",
+    "operating_point.duration": "of a step to this speed: the carriers settle within a third of it",
     "stage.sharing": "all threads are assumed to carry equal loads",
     "stage.thread.starts": "of screw and nut, as in the catalogue",
     "stage.thread.contact_angle": "45 deg, the usual value",
