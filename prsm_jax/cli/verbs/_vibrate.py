@@ -14,6 +14,7 @@ from ...programs import one_program_where_possible
 from ...quantities import assumptions
 from ...response import (
     Campbell,
+    Crossing,
     FrequencyResponse,
     Kind,
     campbell as run_campbell,
@@ -228,6 +229,14 @@ def _speeds_of_operation(mechanism: Mechanism) -> tuple[float, float] | None:
     return (float(speeds.min()), float(speeds.max())) if speeds.size else None
 
 
+def _in_words(crossing: Crossing) -> str:
+    """Speed of a crossing, and what meets there."""
+    return (
+        f"{crossing.speed_rpm:.6g} rpm, where harmonic {crossing.harmonic} of {crossing.order} "
+        f"meets {crossing.frequency:.6g} Hz ({crossing.family})"
+    )
+
+
 @app.command
 def campbell(
     file: str,
@@ -278,6 +287,14 @@ def campbell(
         columns = ["rpm", "order", "harmonic", "f Hz", "family", "times", "excited"]
         title = f"Critical speeds up to {speed * 30 / np.pi:.6g} rpm: {file}, stage {stage}"
         lines = table(title, columns, rows) if rows else f"{title}\nnone\n"
+        beyond = diagram.crossings(excited_only=not every)
+        if not rows and beyond:
+            lines += prose(f"The lowest is {_in_words(beyond[0])}.")
+        if common.out is not None and picture is None:
+            lines += prose(
+                f"No picture: no order meets a natural frequency up to {speed * 30 / np.pi:.6g} "
+                "rpm; give a higher --max-rpm or more --harmonics."
+            )
         orders = ", ".join(f"{one.name} {float(one.order):.5g}" for one in diagram.orders)
         ratio = f"carrier ratio {float(diagram.carrier_ratio):.6g}"
         turning = mechanism.stages[stage - 1].thread.family.turning

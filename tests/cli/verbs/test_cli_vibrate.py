@@ -1,5 +1,7 @@
 """The verbs of forced vibration: JSON, tables, pictures, errors."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -88,6 +90,24 @@ def test_campbell_json_and_table(prsm, prsm_json):
     assert every.count(" no\n") == sum(not crossing["excited"] for crossing in found["crossings"])
     _, none, _ = prsm("campbell", "wu2022", "--max-rpm", "1", "--orders", "carrier")
     assert "none" in none
+
+
+def test_no_picture_without_a_crossing_is_said_with_the_speed_of_the_lowest(prsm, tmp_path):
+    """At a little more than that speed the crossing is in the table and in the picture."""
+    folder = tmp_path / "out"
+    words = ("campbell", "wu2022", "--orders", "thread_passing", "--out", folder)
+    status, out, _ = prsm(*words, "--max-rpm", 1)
+    assert status == 0
+    said = " ".join(out.split())
+    assert "No picture: no order meets a natural frequency up to 1 rpm; give a higher" in said
+    assert not folder.exists()
+    named = re.search(r"The lowest is ([\d.]+) rpm, where harmonic 3 of thread_passing meets", said)
+    assert named is not None, said
+    status, out, _ = prsm(*words, "--max-rpm", 1.001 * float(named[1]))
+    assert status == 0
+    assert "The lowest" not in out
+    assert named[1] in out
+    assert "picture: " in out
 
 
 def test_pictures_are_written(prsm, tmp_path):

@@ -183,6 +183,15 @@ def test_campbell(run, monkeypatch):
     assert printed.lines[0] == ["Critical speeds up to 3000 rpm: wu2022, stage 1"]
     orders = ", ".join(f"{o.name} {float(o.order):.5g}" for o in diagram.orders)
     assert printed.lines[1:] == [[f"carrier ratio 0.375; orders per turn of the screw: {orders}"]]
+    _, printed = run("campbell", "wu2022", "--max-rpm", 1)
+    (lowest, *_) = [one for one in diagram.crossings() if one.excited]
+    (said,) = [cells[0] for cells in printed.lines if cells[0].startswith("The lowest is")]
+    value, rest = said.removeprefix("The lowest is ").split(" rpm, where harmonic ")
+    assert float(to_si(float(value), "rpm")) == pytest.approx(lowest.speed, rel=5e-6)
+    harmonic, order, _, frequency, unit, family = rest.replace(" of", "").split()
+    assert (int(harmonic), order, family) == (lowest.harmonic, lowest.order, f"({lowest.family}).")
+    assert unit == "Hz"
+    assert float(frequency) == pytest.approx(lowest.frequency, rel=5e-6)
 
 
 def _table():
