@@ -62,6 +62,8 @@ class Margin:
     shown: Callable[[Reading], tuple[float, float]] | None = None
     #: SI unit of `shown`; default that of the value.
     shown_unit: str | None = None
+    #: Load at which the value holds, in words, where it is the worst of several.
+    at_load: Callable[[Reading], str] | None = None
     #: Whether the limit of `shown` is an upper one.
     at_most: bool = False
     #: How far inside the limit the optimiser stays, for rounding in a file [unit of the value].

@@ -68,6 +68,8 @@ class StrengthCheck:
     - `margin`, `margin_unit`: distance from the limit, negative where it is violated; mostly
       relative ("1"), such as 1 − load/capacity.
     - `verdict`: `"pass"`, `"warning"`, `"fail"` or `"no limit"`.
+    - `at_load`: the load at which the value holds, such as `"the static capacity"`, where it is the
+      worst of several loads.
     """
 
     name: str
@@ -80,6 +82,7 @@ class StrengthCheck:
     margin_unit: str
     verdict: Verdict
     subject: str = ""
+    at_load: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """Everything by the keys of the JSON."""
@@ -112,6 +115,7 @@ def _of_margin(mechanism: Mechanism, margin: Margin, numbers: dict[str, float]) 
         margin.unit,
         verdict,
         margin.subject,
+        "" if margin.at_load is None else margin.at_load(reading),
     )
 
 

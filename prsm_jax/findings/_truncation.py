@@ -226,11 +226,18 @@ def _contact_truncation(mechanism: Mechanism, index: int) -> Iterator[Margin]:
             details=details,
             shown=lambda r: (-r.value / (r.details["distance"] - r.value), 0.0),
             shown_unit="1",
+            at_load=_load_of_the_longest,
             at_most=True,
             reserve=_RESERVE,
             subject=f"{kind} of {body} on the {side} side",
             shares=_shares(mechanism.stages[index]),
         )
+
+
+def _load_of_the_longest(reading: Reading) -> str:
+    """The load whose ellipse reaches farthest; of equal ones the operating load."""
+    known = [which for which in _LOADS if which in reading.details]
+    return _LOADS[max(known, key=lambda which: reading.details[which + "_half_extent"])]
 
 
 def _message(reading: Reading, index: int, side: str, kind: str, body: str) -> str:

@@ -6,8 +6,10 @@ import math
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 import pytest
 import scenes
+from truncation_scenes import screw_of_30_mm
 
 import prsm_jax as prsm
 from prsm_jax.findings import (
@@ -369,3 +371,30 @@ def test_self_locking_is_judged_by_the_load_that_drives_also_at_standstill():
     assert found[0.0][0] == pytest.approx(found[10.0][0], rel=1e-12)
     assert found[0.0][0] < 0
     assert found[0.0][1] == "no limit"
+
+
+@pytest.mark.parametrize(
+    ("data", "load", "expected"),
+    [
+        ({"permissible_pressure": 2.9e9, "material_factor": 0.6}, 5e3, "static_capacity"),
+        ({"static_capacity": 40e3, "dynamic_capacity": 50e3}, 5e3, "dynamic_capacity"),
+        ({"static_capacity": 40e3, "dynamic_capacity": 50e3}, 60e3, "operating_load"),
+    ],
+)
+def test_the_share_of_an_ellipse_names_the_load_at_which_it_holds(data, load, expected):
+    """The largest of the loads, for all threads carry the same."""
+    scene = screw_of_30_mm(5e-3, addendum=0.1, load=load, strength=Strength(**data))
+    names = ("static_capacity", "dynamic_capacity")
+    values = prsm.compute(scene, names)
+    loads = {name: float(np.ravel(values[name])[0]) for name in names} | {"operating_load": load}
+    assert max(loads, key=lambda name: loads[name]) == expected
+    checks = prsm.strength_checks(scene)
+    ends = [one for one in checks if one.name == "contact_truncation"]
+    assert {one.at_load for one in ends} == {"the " + expected.replace("_", " ")}
+    assert {one.at_load for one in checks if one.name != "contact_truncation"} == {""}
+    assert {one.to_dict()["at_load"] for one in ends} == {ends[0].at_load}
+    # The finding has the share at this load.
+    for found in (f for f in prsm.check(scene) if f.name == "contact_truncation"):
+        start = f"{ends[0].at_load.removeprefix('the ')} of"
+        (part,) = [p for p in found.message.split("at the ") if p.startswith(start)]
+        assert f"({found.value:.2%} of its" in part

@@ -23,6 +23,11 @@ _CHECKS = (
     StrengthCheck("max_pressure", 0, 4.51e9, 4.2e9, "Pa", True, -0.0738, "1", "fail"),
     StrengthCheck("rating_life", 1, 9.123e6, 1.08e7, "s", False, -0.1553, "1", "warning"),
     StrengthCheck("screw_speed", 1, 261.8, 301.3, "rad/s", True, 0.1311, "1", "pass"),
+    StrengthCheck(
+        *("contact_truncation", 1, 0.10423, 0.0, "1", True, -4.137e-5, "m", "warning"),
+        subject="crest of screw on the screw side",
+        at_load="the static capacity",
+    ),
     StrengthCheck("backlash", 1, 3.21e-5, 0.0, "m", False, 3.21e-5, "m", "pass"),
     StrengthCheck("dynamic_capacity", 1, 6.543e4, None, "N", False, None, "1", "no limit"),
 )
@@ -32,6 +37,9 @@ _LABELS = {
     "max_pressure": "contact pressure at the operating point, equal sharing",
     "rating_life": "rating life, with its factors",
     "screw_speed": "speed of the body that turns",
+    "contact_truncation": (
+        "share of the ellipse past the crest of screw on the screw side (at the static capacity)"
+    ),
     "backlash": "backlash",
     "dynamic_capacity": "dynamic capacity",
 }
@@ -52,6 +60,7 @@ def _assert_rows(rows, checks):
     for cells, (label, value, limit, margin, verdict) in zip(rows, _rows(checks), strict=True):
         assert cells[0] == label
         assert_reads(cells[1], value)
+        assert cells[1].endswith("%") == label.startswith("share of the ellipse")
         if limit:
             assert cells[2].startswith(limit[0])
             assert_reads(cells[2].removeprefix(limit[0]), (limit[1], limit[2], "whole"))
@@ -93,7 +102,7 @@ def test_status(sections, data):
     _assert_rows(table.rows, _CHECKS)
     first = section.paragraphs[0]
     assert first == (
-        "Status: fail. Of 6 checks 3 keep their limit, 1 is beyond a limit of severity warning, "
+        "Status: fail. Of 7 checks 3 keep their limit, 2 are beyond a limit of severity warning, "
         "1 fails, 1 has no limit. The findings have 1 warning."
     )
 

@@ -38,6 +38,8 @@ _LABELS = {
     "jamming": "friction coefficient (jamming)",
     "self_locking": "efficiency when the load drives",
 }
+#: Checks whose value is a share.
+_IN_PER_CENT = ("contact_truncation",)
 #: Where drag holds a load of 0, the efficiency is −∞; a number below −1e6 stands for it.
 _HELD = 1e6
 #: What the margins of a table of checks are.
@@ -58,15 +60,24 @@ def label_of(check: StrengthCheck) -> str:
     if not check.at_most:
         words = _LABELS_AT_LEAST.get(check.name, words)
     if "{}" in words:
-        return words.format(check.subject)
-    return f"{words}, {check.subject}" if check.subject else words
+        words = words.format(check.subject)
+    elif check.subject:
+        words = f"{words}, {check.subject}"
+    return f"{words} (at {check.at_load})" if check.at_load else words
 
 
 def value_text(check: StrengthCheck) -> str:
     """The value of a check with its unit; a load of 0 that is held has no efficiency."""
     if check.name == "self_locking" and check.value < -_HELD:
         return "self-locking"
-    return show(check.value, check.unit, check.name)
+    return _shown(check, check.value)
+
+
+def _shown(check: StrengthCheck, value: float) -> str:
+    """Value or limit of a check with its unit: shares in per cent, as the messages have them."""
+    if check.name in _IN_PER_CENT:
+        return with_label(number(100 * value), "%", " ")
+    return show(value, check.unit, check.name)
 
 
 def limit_text(check: StrengthCheck) -> str:
@@ -74,7 +85,7 @@ def limit_text(check: StrengthCheck) -> str:
     if check.limit is None:
         return ""
     sense = "at most" if check.at_most else "at least"
-    return related(sense, show(check.limit, check.unit, check.name))
+    return related(sense, _shown(check, check.limit))
 
 
 def margin_text(check: StrengthCheck) -> str:
