@@ -1,6 +1,9 @@
-"""Findings on quantities that a file states twice, with contradictory values."""
+"""Findings on quantities that a file states twice, with contradictory values; thread counts."""
 
 from collections.abc import Iterator
+from math import floor
+
+import jax.numpy as jnp
 
 from ..fields import Scalar
 from ..geometry import Finding
@@ -74,8 +77,8 @@ def _check_preload(stage: Stage, number: int) -> Iterator[Finding]:
             stated,
             spacer,
             f"stage.strength.play.preload_force is {stated:.4g} N and "
-            f"stage.load_sharing.split_nut.preload {spacer:.4g} N, but both are the same force: "
-            "life and static safety use the first, thread loads the second; give equal values",
+            f"stage.load_sharing.split_nut.preload {spacer:.4g} N, but they must be equal: "
+            "life and static safety use the first, thread loads the second",
         )
 
 
@@ -101,9 +104,9 @@ def _check_threads(stage: Stage, number: int) -> Iterator[Finding]:
         engaged,
         float(count),
         f"stage.engaged_threads is {engaged:.4g} and stage.load_sharing.thread_count {count}, "
-        "but both are the same number: capacities, pressures and stiffnesses of equal shares use "
-        "the first, thread loads the second; give equal values"
-        + ("" if split is None else ", counting both halves of the split nut"),
+        "but they must be equal: capacities, pressures and stiffnesses of equal shares use the "
+        "first, thread loads the second"
+        + ("" if split is None else "; count both halves of the split nut"),
     )
 
 
@@ -143,8 +146,8 @@ def _check_play(stage: Stage, number: int, teeth: Scalar | None) -> Iterator[Fin
             stated,
             shared,
             f"{source} {stated * 1e6:.4g} um and stage.load_sharing.backlash "
-            f"{shared * 1e6:.4g} um, but both are the same play: backlash and lost motion use the "
-            "first, thread loads the second; give equal values",
+            f"{shared * 1e6:.4g} um, but they must be equal: backlash and lost motion use the "
+            "first, thread loads the second",
         )
 
 
@@ -180,3 +183,49 @@ def _check_spin(stage: Stage, number: int) -> Iterator[Finding]:
             f"{threads:.4g}: {rule} the first applies to roller and nut only; give equal values "
             "unless materials or lubrication of the two sides differ",
         )
+
+
+def thread_counts(stage: Stage) -> dict[str, Scalar]:
+    """Numbers of threads of a roller that carry load, by path."""
+    counts = {}
+    if stage.engaged_threads is not None:
+        counts["engaged_threads"] = stage.engaged_threads
+    sharing, play = stage.load_sharing, None if stage.strength is None else stage.strength.play
+    if sharing is None:
+        return counts
+    preload = None if play is None or play.preload_force is None else play.arrangement
+    if preload == "double_nut" and sharing.split_nut is not None:
+        # Load sharing has the threads of both nuts, but the length may be that of one.
+        return counts
+    counts["load_sharing.thread_count"] = jnp.full_like(stage.thread.pitch, sharing.thread_count)
+    return counts
+
+
+def most_threads(stage: Stage) -> str:
+    """The larger number of threads in words, with the pitch."""
+    path, count = max(thread_counts(stage).items(), key=lambda one: float(one[1]))
+    kind = "threads" if stage.line_contact is None else "rings"
+    pitch = float(stage.thread.pitch)
+    return f"{float(count):.6g} {kind} (stage.{path}) with a pitch of {pitch * 1e3:.4g} mm"
+
+
+def keys_of_counts(stage: Stage) -> str:
+    """The numbers of threads that have to be lowered together."""
+    return " and ".join(f"stage.{path}" for path in thread_counts(stage))
+
+
+def possible_threads(stage: Stage) -> int:
+    """The largest number of threads that roller and nut hold, none under teeth of the gears."""
+    lengths = [body.length for body in (stage.roller, stage.nut)]
+    held = [held_threads(stage, float(length)) for length in lengths if length is not None]
+    roller, gear = stage.roller.length, stage.gear
+    if roller is not None and gear is not None and gear.face_width is not None:
+        # From the first to the last contact of N threads there are N − 1 pitches.
+        between = float(roller) - 2 * float(gear.face_width)
+        held.append(held_threads(stage, between) + 1 if between >= 0 else 0)
+    return min(held)
+
+
+def held_threads(stage: Stage, length: float) -> int:
+    """How many threads a length holds."""
+    return max(floor(length / float(stage.thread.pitch) + 1e-6), 0)

@@ -1,7 +1,6 @@
 """Margins of geometry: are the dimensions possible, do the parts fit, do the threads mesh?"""
 
 from collections.abc import Callable, Iterator
-from math import floor
 
 import jax.numpy as jnp
 
@@ -16,6 +15,13 @@ from ..geometry import (
 from ..mechanism import Mechanism, Stage
 from ..quantities import Analysis
 from ..strength import thins_teeth
+from ._agreement import (
+    held_threads,
+    keys_of_counts,
+    most_threads,
+    possible_threads,
+    thread_counts,
+)
 from ._margin import Kind, Margin, Reading, margin_source
 
 #: Gap that the optimiser keeps, so that rounding in a file does not close it [m].
@@ -294,45 +300,16 @@ def _tooth_thickness(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     )
 
 
-def _counts(stage: Stage) -> dict[str, Scalar]:
-    """Numbers of threads of a roller that carry load, by path."""
-    counts = {}
-    if stage.engaged_threads is not None:
-        counts["engaged_threads"] = stage.engaged_threads
-    sharing, play = stage.load_sharing, None if stage.strength is None else stage.strength.play
-    if sharing is None:
-        return counts
-    preload = None if play is None or play.preload_force is None else play.arrangement
-    if preload == "double_nut" and sharing.split_nut is not None:
-        # Load sharing has the threads of both nuts, but the length may be that of one.
-        return counts
-    counts["load_sharing.thread_count"] = jnp.full_like(stage.thread.pitch, sharing.thread_count)
-    return counts
-
-
-def _most_threads(stage: Stage) -> str:
-    """The larger number of threads in words, with the pitch."""
-    path, count = max(_counts(stage).items(), key=lambda one: float(one[1]))
-    kind = "threads" if stage.line_contact is None else "rings"
-    pitch = float(stage.thread.pitch)
-    return f"{float(count):.6g} {kind} (stage.{path}) with a pitch of {pitch * 1e3:.4g} mm"
-
-
-def _held(stage: Stage, length: float) -> int:
-    """How many threads a length holds."""
-    return max(floor(length / float(stage.thread.pitch) + 1e-6), 0)
-
-
 @margin_source
 def _thread_length(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     """Roller and nut must be as long as the threads that carry load, N p."""
     stage = mechanism.stages[index]
-    if not _counts(stage):
+    if not thread_counts(stage):
         return
 
     def needed(analysis: Analysis, spaces: float = 0.0) -> Scalar:
         current = analysis.mechanism.stages[index]
-        counts = _counts(current).values()
+        counts = thread_counts(current).values()
         return (jnp.max(jnp.stack(list(counts))) - spaces) * current.thread.pitch
 
     def body_length(analysis: Analysis, body: str) -> Scalar:
@@ -340,10 +317,13 @@ def _thread_length(mechanism: Mechanism, index: int) -> Iterator[Margin]:
 
     def too_short(r: Reading, body: str) -> str:
         current, have = r.mechanism.stages[index], r.details["needed"] + r.value
+        count = possible_threads(current)
+        lower = f"lower {keys_of_counts(current)} to {count}, " if count > 0 else ""
         return (
-            f"{_most_threads(current)} are {r.details['needed'] * 1e3:.4g} mm long, but "
-            f"stage.{body}.length is {have * 1e3:.4g} mm, which holds {_held(current, have)}: such "
-            f"a {body} cannot be made; lower the number or the lead, or lengthen the {body}"
+            f"{most_threads(current)} are {r.details['needed'] * 1e3:.4g} mm long, but "
+            f"stage.{body}.length is {have * 1e3:.4g} mm, which holds "
+            f"{held_threads(current, have)}: such a {body} cannot be made; {lower}lower the lead, "
+            f"or lengthen the {body}"
         )
 
     for body in ("roller", "nut"):
@@ -376,11 +356,11 @@ def _thread_length(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     def over_gears(r: Reading) -> str:
         current, have = r.mechanism.stages[index], r.details["between"]
         return (
-            f"{_most_threads(current)} reach over {r.details['reach'] * 1e3:.4g} mm from the first "
+            f"{most_threads(current)} reach over {r.details['reach'] * 1e3:.4g} mm from the first "
             f"to the last, but between its gears a roller has {max(have, 0.0) * 1e3:.4g} mm "
             "(stage.roller.length less twice stage.gear.face_width): the outermost lie under gear "
-            f"teeth, which cut them; engage the {_held(current, have)} that lie wholly between "
-            "them, lengthen the roller, or make the gears narrower"
+            f"teeth, which cut them; engage the {held_threads(current, have)} that lie wholly "
+            "between them, lengthen the roller, or make the gears narrower"
         )
 
     # From the first to the last contact of N threads there are N − 1 pitches. Gear teeth may be cut

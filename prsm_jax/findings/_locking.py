@@ -125,7 +125,8 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         return (
             f"nearly self-locking: only {r.value:.0%} of the work of the load reaches the "
             f"{turning}, so lubricant and wear decide whether the load turns it ({limit_of(r)}); "
-            "change friction or contact angle, or add a brake"
+            "for the load to turn it, lower the friction or raise the lead; for the load to be "
+            "held, add a brake"
         )
 
     def details(analysis: Analysis) -> dict[str, Scalar]:

@@ -398,3 +398,22 @@ def test_the_share_of_an_ellipse_names_the_load_at_which_it_holds(data, load, ex
         start = f"{ends[0].at_load.removeprefix('the ')} of"
         (part,) = [p for p in found.message.split("at the ") if p.startswith(start)]
         assert f"({found.value:.2%} of its" in part
+
+
+def test_a_screw_that_is_nearly_self_locking_is_turned_by_the_load_after_the_remedy():
+    """Lower friction or a larger lead; a contact angle about 45° has hardly any effect."""
+
+    start = prsm.set_parameter(prsm.load("actuator"), "stage.friction.thread.coefficient", 0.3)
+    start = prsm.set_parameter(start, "lead", 1e-3)
+    (found,) = [f for f in prsm.check(start) if f.name == "self_locking"]
+    assert found.severity == "warning"
+    assert found.message.endswith(
+        "for the load to turn it, lower the friction or raise the lead; for the load to be held, "
+        "add a brake"
+    )
+    for name, better in (("stage.friction.thread.coefficient", 0.2), ("lead", 2e-3)):
+        helped = prsm.set_parameter(start, name, better)
+        assert "self_locking" not in {f.name for f in prsm.check(helped)}
+    for angle in (35, 40, 50, 55):
+        other = prsm.set_parameter(start, "contact_angle", math.radians(angle))
+        assert "self_locking" in {f.name for f in prsm.check(other)}

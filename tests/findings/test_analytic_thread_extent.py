@@ -87,6 +87,34 @@ def test_threads_of_load_sharing_count_too():
     assert _found(alone)[0].value == found.value
 
 
+@pytest.mark.parametrize(
+    ("roller", "nut", "width", "count"),
+    [
+        # 17 threads on the roller, 15 in the nut.
+        (35e-3, 31e-3, None, 15),
+        # 17 threads between gears on 34 mm of 39 mm: from the first to the last of 18.
+        (39e-3, None, 2.5e-3, 18),
+        (35e-3, None, 8e-3, 10),
+    ],
+)
+@pytest.mark.parametrize("both", [False, True])
+def test_the_number_in_the_error_leaves_neither_error_nor_warning(roller, nut, width, count, both):
+    keys = ["stage.engaged_threads", *(["stage.load_sharing.thread_count"] if both else [])]
+
+    def with_count(number):
+        more: dict[str, Any] = {"load_sharing": LoadSharing(number)} if both else {}
+        more |= {"sharing": "unstated"} if both else {}
+        return _mechanism(roller, nut, width, engaged_threads=float(number), **more)
+
+    errors = [f for f in _found(with_count(20)) if f.severity == "error"]
+    assert errors
+    for finding in errors:
+        assert f"cannot be made; lower {' and '.join(keys)} to {count}, lower" in finding.message
+    names = {NAME, "engaged_threads"}
+    assert not names & {f.name for f in prsm.check(with_count(count))}
+    assert names & {f.name for f in prsm.check(with_count(count + 1))}
+
+
 def test_threads_of_two_nuts_are_not_all_on_one_roller():
     """Load sharing has the 40 threads of both nuts, the lengths may be those of one."""
     two = Strength(play=AxialPlay(preload_force=3e3, arrangement="double_nut"))
@@ -186,3 +214,12 @@ def test_an_optimum_has_teeth_that_exist():
     assert best.feasible
     assert best.optimum.variables["lead"] == pytest.approx(5 * 4 * 0.301e-3, rel=1e-6)
     assert not _pointed(best.mechanism)
+
+
+def test_two_numbers_of_threads_must_be_equal():
+    both = _mechanism(engaged_threads=16.0, load_sharing=LoadSharing(20), sharing="unstated")
+    (found,) = [f for f in prsm.check(both) if f.name == "engaged_threads"]
+    assert found.message.startswith(
+        "stage.engaged_threads is 16 and stage.load_sharing.thread_count 20, but they must be "
+        "equal: capacities"
+    )

@@ -18,7 +18,7 @@ from ...text import Line
 _MEANINGS = (
     "successful",
     "self-locking: the load alone does not keep up this motion, and the motor must drive in the "
-    "direction of the load; for back-driving, lower friction or contact angle (quantity "
+    "direction of the load; for back-driving, lower the friction or raise the lead (quantity "
     "self_locking_margin)",
     "jammed: thread friction cancels the axial part of the normal force, and no torque moves the "
     "load; lower the friction or raise the contact angle (quantity jamming_margin)",
