@@ -42,8 +42,8 @@ def power_entries(
     driving = speed * load_torque >= 0
     useful = jnp.where(driving, load_torque, torque)
     spent = jnp.where(driving, torque, load_torque)
-    # A torque of 0, which the balance of forces gives up to rounding, spends nothing.
-    takes = jnp.abs(spent) > _NOTHING * jnp.abs(useful)
+    # A torque of 0, which the balance of forces gives up to rounding, spends nothing; NaN stays NaN.
+    takes = ~(jnp.abs(spent) <= _NOTHING * jnp.abs(useful))
     return {
         "drive_torque": torque,
         "efficiency": jnp.where(takes, useful / jnp.where(takes, spent, 1.0), 0.0),
