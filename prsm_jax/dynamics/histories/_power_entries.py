@@ -42,7 +42,7 @@ def power_entries(
     driving = speed * load_torque >= 0
     useful = jnp.where(driving, load_torque, torque)
     spent = jnp.where(driving, torque, load_torque)
-    # A torque of 0, which the balance of forces gives up to rounding, spends nothing; NaN stays NaN.
+    # A torque of 0, which the balance of forces gives up to rounding, spends nothing. NaN remains.
     takes = ~(jnp.abs(spent) <= _NOTHING * jnp.abs(useful))
     return {
         "drive_torque": torque,
