@@ -231,20 +231,20 @@ def test_repeated_measurements_of_frequencies_have_a_column_for_each_mode():
 
 
 def test_a_numbered_frequency_keeps_its_mode_beside_unnumbered_ones():
-    """Measured far from its mode, nearer to the next, which the column without number has."""
+    """Measured above the next mode, so that the other order would be nearer."""
     mechanism = plain()
     (found,) = prsm.compute(mechanism, ["torsional_frequencies"]).values()
     computed = np.asarray(found)
     second, third = computed[1:3]
     name = "torsional_frequencies"
     columns = {
-        f"{name}[2]": np.array([third * 0.99, np.nan, np.nan]),
-        name: np.array([computed[0], third * 1.01, computed[3]]),
+        f"{name}[2]": np.array([third * 1.01, np.nan, np.nan]),
+        name: np.array([computed[0], third * 0.99, computed[3]]),
     }
     fit = calibrate(mechanism, columns, [SCREW])
     assert second < 0.9 * third
     pairs = dict(zip(fit.residuals[0].labels, fit.residuals[0].measured, strict=True))
-    expected = [computed[0], third * 0.99, third * 1.01, computed[3]]
+    expected = [computed[0], third * 1.01, third * 0.99, computed[3]]
     assert [float(pairs[f"{name}[{k}]"]) for k in (1, 2, 3, 4)] == pytest.approx(expected)
 
 
