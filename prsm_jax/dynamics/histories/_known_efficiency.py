@@ -28,6 +28,8 @@ def known_efficiency(run: Transient) -> Float[np.ndarray, " times"]:
     power = np.abs(np.asarray(run.drive_torque * run.screw_speed))
     if run.load_power is not None:
         power = np.maximum(power, np.abs(np.asarray(run.load_power)))
-    known = (power > _IDLE * power.max()) & (share >= -_ROUNDING) & (share <= 1 + _ROUNDING)
+    # A run that failed has NaN at its end, which hides no sample before.
+    largest = np.max(power, where=np.isfinite(power), initial=0.0)
+    known = (power > _IDLE * largest) & (share >= -_ROUNDING) & (share <= 1 + _ROUNDING)
     exact = np.where(share <= _ROUNDING, 0.0, np.minimum(share, 1.0))
     return np.where(known, exact, np.nan)

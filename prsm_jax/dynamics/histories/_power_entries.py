@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from ...fields import Scalar
 
-#: Torque, over that of the other end, which is 0 up to rounding.
+#: A torque that is smaller than this share of that at the other end is 0 up to rounding.
 _NOTHING = 1e-12
 
 

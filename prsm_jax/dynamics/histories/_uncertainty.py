@@ -14,7 +14,8 @@ from ._transient_result import Transient
 
 #: From this share on, an error is stated as an assumption.
 _NOTABLE = 0.01
-#: From this share of the energy supplied on, an error of energies is: they are read to four digits.
+#: An error of energies is stated from this share of the energy supplied on; they are read to four
+#: digits.
 _NOTABLE_ENERGY = 0.001
 #: Largest shares of torque and energy at uncertain samples with which peaks and energies count as
 #: unaffected. In integrations of the example `actuator_mission` they change by less than a tenth

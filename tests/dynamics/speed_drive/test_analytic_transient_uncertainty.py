@@ -203,3 +203,19 @@ def test_error_at_a_reversal_of_the_example():
         assert abs(ours - true) < 1e-4 * 463
     (sentence,) = prsm.dynamics.neglected_inertia(found, mission)
     assert "reverses while the screw turns: once" in sentence
+
+
+def test_a_run_that_fails_keeps_the_efficiency_before(steady):
+    """NaN at the end hides no sample before; what is near standstill or beyond 1 has none."""
+    late = jnp.arange(401) > 300
+    run = _made(
+        steady,
+        drive_torque=jnp.where(late, jnp.nan, 8.0),
+        screw_speed=jnp.where(jnp.arange(401) < 10, 0.1, 100.0),
+        efficiency=jnp.where(jnp.arange(401) == 50, 1.2, jnp.where(late, jnp.nan, 0.8)),
+        load_power=jnp.where(late, jnp.nan, 640.0 * (jnp.arange(401) >= 10).astype(float)),
+    )
+    known = prsm.dynamics.known_efficiency(run)
+    gaps = np.isnan(known)
+    assert np.flatnonzero(gaps).tolist() == [*range(10), 50, *range(301, 401)]
+    assert np.all(known[~gaps] == 0.8)
