@@ -14,7 +14,8 @@ from types import ModuleType
 from .._errors import PrsmError
 
 _GROUP = "prsm_jax.plugins"
-_loaded: list[ModuleType] = []
+#: Names and modules of the plugins that are loaded, in the order of the command.
+_loaded: list[tuple[str, ModuleType]] = []
 
 
 def without_plugins(words: list[str]) -> tuple[list[str], list[str]]:
@@ -47,7 +48,7 @@ def load_plugin(name: str) -> None:
     **Raises:** `PrsmError` if the module does not exist or its import fails.
     """
     try:
-        _loaded.append(_module(name))
+        _loaded.append((name, _module(name)))
     except PrsmError:
         raise
     except Exception as error:
@@ -91,3 +92,8 @@ def _of_file(path: Path, name: str) -> ModuleType:
 def has_plugins() -> bool:
     """Whether a plugin is loaded: stored programs may then be out of date."""
     return bool(_loaded)
+
+
+def plugin_words() -> list[str]:
+    """`--plugin NAME` of each plugin that is loaded, for a command that is printed."""
+    return [word for name, _ in _loaded for word in ("--plugin", name)]

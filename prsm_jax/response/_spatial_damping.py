@@ -1,7 +1,7 @@
 """Damping ratios of the modes in space by creep friction."""
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from ..contact import load_of
 from ..fields import Scalar
@@ -54,6 +54,9 @@ class SpatialDamping(DesignResult):
     first_order_ratios: tuple[Float[Array, "..."], ...]
     #: `|λ|/2π` of the damped modes [Hz]: strong damping ties rollers to the screw across the slip.
     damped_frequencies: tuple[Float[Array, "..."], ...]
+    #: Whether each mode vibrates under this damping and was found; the ratio of one that does not
+    #: is that of first order.
+    vibrates: tuple[Bool[Array, "..."], ...]
     #: 0 when all is well; see `result`.
     code: Int[Array, ""]
 
@@ -62,14 +65,24 @@ class SpatialDamping(DesignResult):
         """Axes of a batch of designs; empty for a single one."""
         return self.code.shape
 
+    def _ascending(self, of_groups: tuple[Array, ...]) -> Array:
+        """Values of the groups in the order of `modes.frequencies`."""
+        groups = self.modes.groups
+        repeated = [jnp.repeat(g.frequencies, g.multiplicity) for g in groups]
+        values = [jnp.repeat(z, g.multiplicity) for z, g in zip(of_groups, groups, strict=True)]
+        return jnp.concatenate(values)[jnp.argsort(jnp.concatenate(repeated), stable=True)]
+
     @property
     @mapped
     def damping_ratios(self) -> Float[Array, "*batch degrees"]:
         """ζ of each entry of `modes.frequencies`."""
-        groups = self.modes.groups
-        repeated = [jnp.repeat(g.frequencies, g.multiplicity) for g in groups]
-        values = [jnp.repeat(z, g.multiplicity) for z, g in zip(self.ratios, groups, strict=True)]
-        return jnp.concatenate(values)[jnp.argsort(jnp.concatenate(repeated), stable=True)]
+        return self._ascending(self.ratios)
+
+    @property
+    @mapped
+    def vibrating(self) -> Bool[Array, "*batch degrees"]:
+        """Whether each entry of `modes.frequencies` vibrates under this damping and was found."""
+        return self._ascending(self.vibrates)
 
     @property
     @listed
@@ -155,5 +168,6 @@ def spatial_damping(
         ratios=tuple(one.ratios for one in damped),
         first_order_ratios=tuple(one.first_order for one in damped),
         damped_frequencies=tuple(jnp.abs(one.eigenvalues) / (2 * jnp.pi) for one in damped),
+        vibrates=tuple(one.found for one in damped),
         code=_code(creep, damped),
     )

@@ -1,5 +1,6 @@
 """The state of the studio: a design, its way, its numbers, its files. No page is needed."""
 
+import shlex
 import threading
 from collections.abc import Sequence
 from datetime import date
@@ -40,16 +41,26 @@ class Session:
     - `source`: a file or the name of an example.
     - `folder`: the only folder that files are written into.
     - `settings`: numbers to set after reading, such as `lead=12 mm`.
+    - `options`: words of other options, such as `--plugin` and its module, for the command that a
+      report names.
 
     **Raises:** `FileError` if the source cannot be read; `PrsmError` if the folder is a file, or
     the mechanism has nothing to move.
     """
 
-    def __init__(self, source: str, folder: Path | str, settings: Sequence[str] = ()):
+    def __init__(
+        self,
+        source: str,
+        folder: Path | str,
+        settings: Sequence[str] = (),
+        *,
+        options: Sequence[str] = (),
+    ):
         loaded = load(source)
         self.original: Mechanism = apply_settings(loaded, settings) if settings else loaded
         self.source: str = source
         self.settings: tuple[str, ...] = tuple(settings)
+        self.options: tuple[str, ...] = tuple(options)
         self.folder: ChosenFolder = ChosenFolder(folder)
         self.variables: tuple[StudioVariable, ...] = studio_variables(self.original)
         if not self.variables:
@@ -250,7 +261,10 @@ class Session:
         changed = [f"{one.name}={self._written(one)}" for one in self._changed()]
         settings = (*self.settings, *changed)
         origin = origin_of_file(self.source, settings=settings, date=date.today().isoformat())
-        command = " ".join(["prsm studio", self.source])
+        # Entered again, the studio opens with this design.
+        set_words = [word for one in settings for word in ("--set", one)]
+        start = ["prsm", "studio", self.source, "--out", str(self.folder.path)]
+        command = shlex.join([*start, *set_words, *self.options])
         data = analyse(self.mechanism(), source=self.source, command=command, origin=origin)
         return write_report(place, data)
 

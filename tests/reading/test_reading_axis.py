@@ -274,6 +274,7 @@ def _damping() -> Any:
     """Ratios of six modes in their order, one fed by friction, and the dashpots."""
     return types.SimpleNamespace(
         damping_ratios=np.asarray([0.0, 4.1e-5, 0.0153, -0.0078, -0.0078, 0.62]),
+        vibrating=np.asarray([True, True, True, True, True, False]),
         result_name="negative_damping",
         result="negative damping: a sentence",
         creep=types.SimpleNamespace(
@@ -337,6 +338,7 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes, name, damped, law):
         assert creep == {
             "result": "negative_damping",
             "damping_ratios": [0.0, 4.1e-5, 0.0153, -0.0078, -0.0078, 0.62],
+            "vibrating": [True, True, True, True, True, False],
             "slip_speed_m_per_s": 0.311,
             "contact_force_n": 471.0,
             "damping_along_slip_n_s_per_m": -13.7,
@@ -377,8 +379,8 @@ def test_the_verb_modal_in_space(run, monkeypatch, modes, name, damped, law):
     head = ("family", "f Hz", "times")
     if damped:
         # One row for each distinct frequency.
-        ratios = [0.0, 4.1e-5, 0.0153, -0.0078, 0.62]
-        rows = [(*row, (ratio, "1")) for row, ratio in zip(rows, ratios, strict=True)]
+        ratios = [(0.0, "1"), (4.1e-5, "1"), (0.0153, "1"), (-0.0078, "1"), "62 (first order)"]
+        rows = [(*row, ratio) for row, ratio in zip(rows, ratios, strict=True)]
         head = (*head, "damping %")
     printed.table(head, rows)
     if damped:

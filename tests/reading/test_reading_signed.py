@@ -11,6 +11,7 @@ from reading_tables import assert_json, assert_table, html_tables
 from reading_units import assert_reads
 
 import prsm_jax as prsm
+from prsm_jax.cli import _plugins
 from prsm_jax.cli.verbs import _analyse, _demo
 from prsm_jax.findings import Finding, StrengthCheck
 from prsm_jax.mechanism import DesignProblem, Objective, OperatingCase, Variable
@@ -345,6 +346,7 @@ def test_report(run, monkeypatch, data, tmp_path):
     monkeypatch.setattr(report, "write_report", write)
     words = ("report", "wu2022", "--out", tmp_path / "a b", "--author", "N. N.", "--revision", "C")
     words += ("--no-transient",)
+    monkeypatch.setattr(_plugins, "_loaded", [("my laws.py", math), ("fits", math)])
     found, printed = run(*words, "--set", "lead=12 mm")
     assert found["report"] == str(tmp_path / "a b" / "report.html")
     assert found["status"] == "fail"
@@ -355,7 +357,7 @@ def test_report(run, monkeypatch, data, tmp_path):
     assert found["sha256"] == origin.sha256
     assert given["command"] == (
         f"prsm report wu2022 --out '{tmp_path}/a b' --set 'lead=12 mm' --no-transient "
-        "--author 'N. N.' --revision C"
+        "--author 'N. N.' --revision C --plugin 'my laws.py' --plugin fits"
     )
     printed.row("Status: fail")
     printed.row("check")

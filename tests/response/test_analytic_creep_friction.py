@@ -240,3 +240,37 @@ def test_it_needs_the_friction_and_leaves_no_trace_in_modes():
     traced = prsm.programs.traced_physics
     plain = traced(lambda m: prsm.spatial_modal(m).frequencies, one)
     assert not plain & {"creep_friction", "spatial_damping", "coulomb_friction", "steady_state"}
+
+
+def test_overdamped_modes_are_marked_and_no_others():
+    # Dashpots that stop the slip of a roller within a fraction of its own period.
+    one = _with_law(ViscousFriction(2.3e4))
+    found = _damping(one, speed=157.0, load=12e3)
+    assert found.result_name == "overdamped"
+    groups = found.modes.groups
+
+    def ascending(values):
+        hertz = np.concatenate([np.repeat(g.frequencies, g.multiplicity) for g in groups])
+        each = [np.repeat(v, g.multiplicity) for v, g in zip(values, groups, strict=True)]
+        return np.concatenate(each)[np.argsort(hertz, kind="stable")]
+
+    frequencies, ratios = np.asarray(found.modes.frequencies), np.asarray(found.damping_ratios)
+    elastic, marked = frequencies > 1, np.asarray(found.vibrating)
+    system = _system(one, 1, 12e3)
+    exact = quadratic_eigenvalues(
+        vibration.spatial_network(system), np.asarray(found.creep.viscous_matrix(system))
+    )
+    # LAPACK gives rigid motions rounding errors; they are slower than any vibration.
+    slow = np.pi * frequencies[elastic].min()
+    vibrating = exact[(exact.imag > 1e-3 * np.abs(exact)) & (np.abs(exact) > slow)]
+    assert np.all(marked[~elastic])
+    assert np.count_nonzero(marked & elastic) == len(vibrating) == 27
+    assert np.count_nonzero(~marked) == 10
+    # A mode that does not vibrate has the ratio of first order, and the others have their own.
+    first = ascending(found.first_order_ratios)
+    assert np.all((ratios == first)[elastic] == ~marked[elastic])
+    size = 2 * np.pi * ascending(found.damped_frequencies)[marked & elastic]
+    ratio = ratios[marked & elastic]
+    values = size * (-ratio + 1j * np.sqrt(1 - ratio**2))
+    near = np.abs(values[:, None] - vibrating).min(axis=0)
+    assert near.max() < 1e-12 * np.abs(exact).max()

@@ -2,13 +2,14 @@
 
 import dataclasses
 import math
+import shlex
 
 import numpy as np
 import pytest
 
 import prsm_jax as prsm
 from prsm_jax.report import analyse
-from prsm_jax.studio import History, Session, studio_variables
+from prsm_jax.studio import History, Session, _session, studio_variables
 from prsm_jax.studio._snippets import status_html
 
 _DEGREE = math.pi / 180
@@ -152,6 +153,28 @@ def test_the_report_has_the_limits_and_the_status_of_the_page(session, small):
     assert status_html(session.verdicts(), session.limits(session.numbers()), 1).startswith(
         f'<p class="status {data.status}"'
     )
+
+
+def test_the_report_names_the_command_that_opens_the_studio_with_its_design(
+    small, tmp_path, monkeypatch
+):
+    given = {}
+    monkeypatch.setattr(_session, "analyse", lambda mechanism, **more: given.update(more))
+    monkeypatch.setattr(_session, "write_report", lambda place, data: place / "report.html")
+    session = Session(
+        small, tmp_path / "a b", ["youngs_modulus=205 GPa"], options=["--plugin", "my laws.py"]
+    )
+    session.set("roller_radius", 3.5)
+    assert session.report() == tmp_path / "a b" / "report" / "report.html"
+    words = shlex.split(given["command"])
+    settings = ("youngs_modulus=205 GPa", "roller_radius=3.5 mm")
+    assert given["origin"].settings == settings
+    assert words == [
+        *("prsm", "studio", small, "--out", str(tmp_path / "a b")),
+        *("--set", settings[0], "--set", settings[1], "--plugin", "my laws.py"),
+    ]
+    again = Session(small, tmp_path / "b", settings)
+    assert again.design == pytest.approx(dict(session.design), rel=1e-12)
 
 
 def test_steps_are_undone_and_done_again(session):

@@ -19,6 +19,7 @@ from ...quantities import assumptions, available_quantities
 from .._app import app
 from .._common import Common, emit, plain
 from .._optimised import nothing_written, optimised_text
+from .._plugins import plugin_words
 from .._progress import clear, doing, expect_programs, tell
 from .._tables import TextTable, terminal_width
 from ._analyse import steady_results, with_result_name
@@ -110,12 +111,13 @@ def command_of(
 
     **Arguments:**
 
-    - `verb`, `file`, `folder`, `common`: its verb, mechanism, folder of results, and `--set`.
+    - `verb`, `file`, `folder`, `common`: its verb, mechanism, folder of results, and `--set`;
+      `--plugin` is added for each plugin that is loaded.
     - `options`: words of its other options.
     """
     words = ["prsm", verb, file, "--out", str(folder)]
     words += [word for one in common.settings for word in ("--set", one)]
-    return shlex.join([*words, *options])
+    return shlex.join([*words, *options, *plugin_words()])
 
 
 def tell_faults(faults: Sequence[str]) -> None:

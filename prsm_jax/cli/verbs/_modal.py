@@ -321,6 +321,8 @@ def spatial_results(found: Spatial, shapes: bool) -> dict[str, Any]:
             "result": found.damping.result_name,
             # In the order of frequencies_hz.
             "damping_ratios": np.asarray(found.damping.damping_ratios).tolist(),
+            # Where not, the ratio is that of first order.
+            "vibrating": np.asarray(found.damping.vibrating).tolist(),
             "slip_speed_m_per_s": float(creep.slip_speed),
             "contact_force_n": float(creep.contact_force),
             "damping_along_slip_n_s_per_m": float(creep.damping_along_slip),
@@ -350,9 +352,11 @@ def spatial_text(found: Spatial, file: str) -> str:
     damping = found.damping
     if damping is not None:
         ratios, columns = np.asarray(damping.damping_ratios), (*_COLUMNS, "damping %")
-        rows = [
-            (*row, 100 * float(ratios[at])) for row, at in zip(rows, modes.distinct, strict=True)
+        shown = [
+            100 * float(ratio) if vibrates else f"{100 * float(ratio):.4g} (first order)"
+            for ratio, vibrates in zip(ratios, np.asarray(damping.vibrating), strict=True)
         ]
+        rows = [(*row, shown[at]) for row, at in zip(rows, modes.distinct, strict=True)]
     lines = table(title, list(columns), rows)
     if damping is not None:
         given = stage_at(found.mechanism, found.stage).damping is not None

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from ..._app import app
 from ..._common import Common, emit
 from ..._counts import count
+from ..._plugins import plugin_words
 from ..._progress import clear
 
 _DEFAULT = Common()
@@ -39,7 +40,7 @@ def studio(
 
     needs_extra()
     folder = Path("out/studio") if common.out is None else common.out
-    session = Session(file, folder, common.settings)
+    session = Session(file, folder, common.settings, options=plugin_words())
 
     def told(address: str) -> None:
         results = {"address": address, "folder": session.folder.path}
