@@ -7,7 +7,8 @@ import sys
 import pytest
 
 import prsm_jax.file as file
-from prsm_jax._errors import FileError, MissingExtraError
+from prsm_jax._errors import FileError, MissingExtraError, UnknownNameError
+from prsm_jax.mechanism import get_parameter
 from tests.present import present
 
 ACTUATOR = file.example_text("actuator")
@@ -214,6 +215,41 @@ def test_settings_refused(setting, message):
     with pytest.raises(FileError, match=message) as caught:
         file.apply_settings(file.load("actuator"), [setting])
     assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [
+        ("length", "first give length in [stage.screw] or [stage.roller] or [stage.nut] or "),
+        ("stage.1.screw.length", "first give length in [stage.screw]"),
+        ("motor.inertia", "first give inertia in [axis.motor]"),
+        ("loss_factor",
+         "first give loss_factor in [stage.friction.rolling_hysteresis] or [stage.damping]"),
+        ("leed", "did you mean "),
+        ("qqqq", "known: coefficient, "),
+    ],
+)  # fmt: skip
+def test_a_number_that_the_mechanism_does_not_have(name, hint):
+    with pytest.raises(UnknownNameError) as caught:
+        get_parameter(file.load("wu2022"), name)
+    assert hint in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("screw.length", "'0.3 m'"), ("required_life", "'2 h'"), ("play.axial_backlash", "0.0")],
+)
+def test_the_table_that_a_hint_names_gives_the_number(tmp_path, name, text):
+    with pytest.raises(UnknownNameError) as caught:
+        get_parameter(file.load("wu2022"), name)
+    hint = re.fullmatch(r".*; first give (\w+) in (\[[\w.]+\])", str(caught.value))
+    key, table = present(hint).groups()
+    written = file.example_text("wu2022")
+    written = written if f"{table}\n" in written else f"{written}\n{table}\n"
+    path = tmp_path / "one.toml"
+    path.write_text(written.replace(f"{table}\n", f"{table}\n{key} = {text}\n"))
+    value = float(get_parameter(file.load(str(path)), name))
+    assert value == {"'0.3 m'": 0.3, "'2 h'": 7200.0, "0.0": 0.0}[text]
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, ArrayLike
 
-from ..._errors import UnknownNameError, closest
+from ..._errors import UnknownNameError
 from ...fields import (
     ACUTE_ANGLE,
     ANY,
@@ -33,6 +33,7 @@ from ...fields import (
 from .._mechanism import Mechanism, check_axis
 from .._one_design import of_designs
 from ..parts import Thread
+from ._absent import hint_of
 
 
 @dataclasses.dataclass(frozen=True)
@@ -326,9 +327,8 @@ def find_parameters(
     if len(fields) > 1:
         raise UnknownNameError(f"parameter {name!r} is ambiguous: {', '.join(fields)}")
     if not matches:
-        endings = {_without_stage_number(p.path) for p in known}
-        endings |= {p.rsplit(".", 1)[1] for p in endings}
-        raise UnknownNameError(f"unknown parameter {name!r}; {closest(name, endings)}")
+        paths = {_without_stage_number(p.path) for p in known}
+        raise UnknownNameError(f"unknown parameter {name!r}; {hint_of(name, paths)}")
     return tuple(matches)
 
 
