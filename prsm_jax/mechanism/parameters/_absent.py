@@ -1,4 +1,4 @@
-"""Hints for names that a mechanism does not have: where a file would give the number, or like ones."""
+"""Hints for names that a mechanism does not have: the table of a file, or names like it."""
 
 import functools
 from collections.abc import Iterator, Set
