@@ -65,11 +65,11 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     `contact_on_flank`, `tooth_thickness`, `backlash`. Can they be made with usual tools:
     `unusual_lead`, `unusual_module`. Are the numbers for vibration plausible: `inertia`, `mass`,
     `torsional_support`, `negative_stiffness`. Does friction let the mechanism move: `jamming`,
-    `self_locking`. Does it last: `static_safety`, `rating_life`, `buckling`, `buckling_stress`,
-    `screw_speed`, `false_brinelling`, `contact_truncation`. Do repeated numbers agree: `preload`,
-    `engaged_threads`, `axial_backlash`, `spin_coefficient`. Is equal load sharing assumed:
-    `equal_sharing`; do errors of parts overload single rollers: `uneven_rollers`. Is the position
-    loop slower than the axis: `position_loop`. Nothing is raised; a mechanism without findings
+    `no_balance`, `sinking_load`, `self_locking`. Does it last: `static_safety`, `rating_life`,
+    `buckling`, `buckling_stress`, `screw_speed`, `false_brinelling`, `contact_truncation`. Do
+    repeated numbers agree: `preload`, `engaged_threads`, `axial_backlash`, `spin_coefficient`. Is
+    equal load sharing assumed: `equal_sharing`; do errors of parts overload single rollers:
+    `uneven_rollers`. Is the position loop slower than the axis: `position_loop`. Nothing is raised; a mechanism without findings
     gives an empty tuple. Checks whose data are missing are skipped. Needs concrete numbers: inside
     a trace use `evaluate_margins`.
 

@@ -1,4 +1,4 @@
-"""Margins of friction: can the screw move the load, and can the load turn the screw?"""
+"""Findings on friction: can the screw move the load, and can the load turn the screw?"""
 
 import math
 from collections.abc import Iterator
@@ -8,12 +8,14 @@ import jax.numpy as jnp
 
 from ..contact import load_of
 from ..dynamics import (
+    STEADY_RESULTS,
     friction_needs_load,
     friction_sets_motion,
     jamming_coefficient,
     jamming_margin,
     locking_coefficient,
     self_locking_margin,
+    steady_meaning,
     steady_state,
 )
 from ..fields import Scalar
@@ -86,6 +88,26 @@ def _jamming(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         reserve=1e-2,
         strict=True,
     )
+
+
+@margin_source
+def _steady_motion(mechanism: Mechanism, index: int) -> Iterator[Margin]:
+    """Friction lets no steady motion exist, or the load moves the nut against the travel.
+
+    Of roller screws in which friction sets the motion; the others have a closed form.
+    """
+    if _without_friction(mechanism) or index > 0 or not friction_sets_motion(mechanism):
+        return
+    for name in ("no_balance", "sinking_load"):
+        code = STEADY_RESULTS.index(name)
+
+        def value(analysis: Analysis, code: int = code) -> Scalar:
+            return jnp.where(analysis.steady.code == code, -1.0, 1.0)
+
+        def message(r: Reading, name: str = name) -> str:
+            return steady_meaning(name).partition(": ")[2]
+
+        yield Margin(name, 1, value, (("error", 0.0),), message, smooth=False)
 
 
 @margin_source

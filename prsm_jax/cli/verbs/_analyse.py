@@ -129,7 +129,7 @@ def steady_results(state: SteadyState, point: OperatingPoint | None) -> dict[str
 
 
 def with_result_name(results: dict[str, Any]) -> dict[str, Any]:
-    """A steady state with the name of its result, without efficiency where it locks or jams.
+    """A steady state with the name of its result, without efficiency where there is none.
 
     The computed efficiency then has no meaning, such as -0.34 for a thread that locks.
     """
@@ -210,7 +210,7 @@ _EFFICIENCY = {
 
 
 #: Results with numbers of forces and powers; others are of a state that does not exist.
-_WITH_NUMBERS = ("successful", "self_locking", "overlapping_rollers")
+_WITH_NUMBERS = ("successful", "self_locking", "overlapping_rollers", "sinking_load")
 
 
 def _steady_tables(file: str, mechanism: Mechanism, results: dict[str, Any]) -> list[TextTable]:

@@ -25,7 +25,15 @@ from ..forces import (
 )
 from ..friction import turned, with_resistance
 from ._carrier_balance import balanced_carrier_ratio
-from ._steady_result import IMPOSSIBLE, JAMMED, NO_BALANCE, OVERLAPPING, SteadyState, marked
+from ._steady_result import (
+    IMPOSSIBLE,
+    JAMMED,
+    NO_BALANCE,
+    OVERLAPPING,
+    SINKING,
+    SteadyState,
+    marked,
+)
 from ._two_sliding_sides import (
     losses_of_both_sides,
     pin_force,
@@ -158,6 +166,9 @@ def steady_state(
     share = travel_share(mechanism.stages[-1].thread, ratios[-1])
     if share is not None:
         travel = travel * share
+        # Of a differential roller screw the slip under the load can exceed the travel.
+        sinks = (sense * load > 0) & (travel < 0)
+        code = jnp.where((code == 0) & sinks, SINKING, code)
     loss_powers = losses(mechanism, kinematics, states, speed)
     supports = [
         roller_support_forces(stage, geometry, state, None)
@@ -286,7 +297,7 @@ def _assembled(
         output_power=jnp.where(forward, load_power, -drive_power),
         power_balance_residual=jnp.abs(imbalance)
         / jnp.where(largest_power > 0, largest_power, 1.0),
-        valid=code == 0,
+        valid=(code == 0) | (code == SINKING),
         solved=solution.solved,
         code=jnp.where((code == 0) & ~forward & (efficiency < 0), 1, code),
     )

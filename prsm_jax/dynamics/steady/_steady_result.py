@@ -14,7 +14,8 @@ from ...programs import listed
 from ...results import DesignResult, lines_of, outcome
 from ...text import Line
 
-#: By code. Self-locking is a valid state; the others have no valid steady state.
+#: By code. Self-locking and a load that sinks are valid states; the others have no valid steady
+#: state.
 _MEANINGS = (
     "successful",
     "self-locking: the load alone does not keep up this motion, and the motor must drive in the "
@@ -34,6 +35,9 @@ _MEANINGS = (
     "to roller radius",
     "not finite: a number of the mechanism, the speed or the load is NaN or infinite, or so large "
     "that a result is not finite; correct it",
+    "sinking load: the rollers slip so fast under the load that the nut moves with it, against the "
+    "travel that the screw drives; motor and load both feed the friction, and there is no "
+    "efficiency; raise the friction of the threads or the speed, or lower the load",
 )
 #: The same as names, by code.
 STEADY_RESULTS = (
@@ -45,8 +49,9 @@ STEADY_RESULTS = (
     "impossible_dimension",
     "overlapping_rollers",
     "not_finite",
+    "sinking_load",
 )
-JAMMED, NO_BALANCE, IMPOSSIBLE, OVERLAPPING, NOT_FINITE = 2, 3, 5, 6, 7
+JAMMED, NO_BALANCE, IMPOSSIBLE, OVERLAPPING, NOT_FINITE, SINKING = 2, 3, 5, 6, 7, 8
 
 
 def steady_meaning(name: str) -> str:
@@ -122,7 +127,7 @@ class SteadyState(DesignResult):
     @property
     @listed
     def has_efficiency(self) -> bool:
-        """Whether `efficiency` is one: a locked or jammed thread has none."""
+        """Whether `efficiency` is one: a locked or jammed thread and a sinking load have none."""
         return self.code is None or int(self.code) in (0, OVERLAPPING)
 
     @property
@@ -146,7 +151,7 @@ def marked(state: SteadyState, given: Any) -> SteadyState:
     unexplained = (state.code <= JAMMED) & ~finite
     unexplained = unexplained | ((state.code <= NO_BALANCE) & ~_is_finite(given))
     code = jnp.where(unexplained, NOT_FINITE, state.code)
-    return dataclasses.replace(state, valid=state.valid & finite & (code < NOT_FINITE), code=code)
+    return dataclasses.replace(state, valid=state.valid & finite & (code != NOT_FINITE), code=code)
 
 
 def _is_finite(tree: Any) -> Bool[Array, ""]:

@@ -207,7 +207,7 @@ def steady_section(data: ReportData) -> Section | None:
         return None
     state, turning = data.steady, data.mechanism.stages[0].thread.family.turning
     # Of a state that does not exist there are motions, but no forces and powers.
-    is_known = state.has_efficiency or state.result_name == "self_locking"
+    is_known = state.has_efficiency or state.result_name in ("self_locking", "sinking_load")
 
     def known(value: SupportsFloat, unit: str) -> str:
         return show(value, unit) if is_known else "–"
@@ -216,6 +216,8 @@ def steady_section(data: ReportData) -> Section | None:
     if not bool(state.valid):
         words = "Do not use these numbers" if is_known else "There is no steady state"
         paragraphs.append(f"{words}: {state.result}.")
+    elif state.result_name == "sinking_load":
+        paragraphs.append(f"There is no efficiency: {state.result}.")
     backward = efficiency_text(data.backward)
     if backward.endswith("%"):
         paragraphs.append(f"The load can drive the {turning} back.")

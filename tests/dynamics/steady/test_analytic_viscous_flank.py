@@ -5,6 +5,7 @@ sign, and the flanks change, where the axial slip h (Ω − ω) is large enough:
 speed, with which the roller moves along the axis.
 """
 
+import dataclasses
 import functools
 
 import jax
@@ -15,7 +16,8 @@ from type_motion import mechanism, slips_of, with_law
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import sliding_contact
-from prsm_jax.friction import StribeckFriction, ViscousFriction
+from prsm_jax.friction import CoulombFriction, StribeckFriction, ViscousFriction
+from prsm_jax.mechanism import OperatingPoint
 
 RESISTANCE, LOAD = 25.0, 200.0
 ONE = with_law(mechanism("differential", extra=False), ViscousFriction(RESISTANCE))
@@ -102,3 +104,56 @@ def test_a_part_of_the_friction_that_follows_the_normal_force():
         difference = (float(torque(speed + step)) - float(torque(speed - step))) / (2 * step)
         slope = float(jax.jit(jax.grad(torque))(array(speed)))
         assert slope == pytest.approx(difference, rel=1e-6)
+
+
+def _power_of_the_load(speed):
+    """Power that a driven load takes; negative where it moves against the travel of the screw."""
+    ratio, _, _ = _reference(speed, LOAD)
+    _, _, travel, more, _ = _basis()
+    return LOAD * np.sign(travel) * (travel + ratio * more) * speed
+
+
+@functools.cache
+def _limit():
+    """Speed at which the nut stands: below it the load sinks (power is linear in the speed)."""
+    slow, fast = _power_of_the_load(1.0), _power_of_the_load(1e3)
+    return 1.0 - slow * 999.0 / (fast - slow)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.9, 0.999, 1.001, 1.5, 5.0])
+def test_a_load_that_sinks_while_the_screw_drives_has_a_name_and_no_efficiency(share):
+    speed = share * _limit()
+    expected = _power_of_the_load(speed)
+    assert (expected < 0) == (share < 1)
+    found = steady_state(ONE, speed, LOAD)
+    assert float(found.output_power) == pytest.approx(expected, rel=1e-9, abs=1e-12)
+    balance = found.input_power - found.output_power - sum(found.losses.values())
+    assert float(balance) == pytest.approx(0.0, abs=1e-12 * float(found.input_power))
+    assert bool(found.valid)
+    assert found.result_name == ("sinking_load" if share < 1 else "successful")
+    assert found.has_efficiency == (share > 1)
+    names = [one.name for one in prsm.check(_at(speed))]
+    assert ("sinking_load" in names) == (share < 1)
+    assert "no_balance" not in names
+
+
+def _at(speed):
+    return dataclasses.replace(ONE, operating_point=OperatingPoint(array(speed), array(LOAD)))
+
+
+def test_check_names_a_carrier_that_friction_cannot_hold():
+    weak = with_law(mechanism("differential", extra=False), CoulombFriction(1e-3))
+    weak = dataclasses.replace(weak, operating_point=OperatingPoint(array(100.0), array(LOAD)))
+    assert steady_state(weak, 100.0, LOAD).result_name == "no_balance"
+    (found,) = (one for one in prsm.check(weak) if one.name == "no_balance")
+    assert (found.severity, found.stage) == ("error", 1)
+    assert "raise it" in found.message
+
+
+def test_a_batch_has_the_results_of_its_designs():
+    speeds = array([0.5, 1.5]) * _limit()
+    both = jax.vmap(lambda speed: prsm.steady_state(ONE, speed, array(LOAD)))(speeds)
+    assert list(both.result_name) == ["sinking_load", "successful"]
+    assert list(both.has_efficiency) == [False, True]
+    assert np.all(np.asarray(both.valid))
+    assert np.all(np.asarray(both.computed))
