@@ -69,9 +69,9 @@ def check(mechanism: Mechanism) -> tuple[Finding, ...]:
     `buckling`, `buckling_stress`, `screw_speed`, `false_brinelling`, `contact_truncation`. Do
     repeated numbers agree: `preload`, `engaged_threads`, `axial_backlash`, `spin_coefficient`. Is
     equal load sharing assumed: `equal_sharing`; do errors of parts overload single rollers:
-    `uneven_rollers`. Is the position loop slower than the axis: `position_loop`. Nothing is raised; a mechanism without findings
-    gives an empty tuple. Checks whose data are missing are skipped. Needs concrete numbers: inside
-    a trace use `evaluate_margins`.
+    `uneven_rollers`. Is the position loop slower than the axis: `position_loop`. Nothing is
+    raised; a mechanism without findings gives an empty tuple. Checks whose data are missing are
+    skipped. Needs concrete numbers: inside a trace use `evaluate_margins`.
 
     **Arguments:**
 
