@@ -5,6 +5,7 @@ A traced number is not known, and passes; so does NaN, which stands for a number
 without these checks.
 """
 
+import html
 from typing import Any, ClassVar
 
 import equinox as eqx
@@ -13,6 +14,7 @@ import numpy as np
 
 from ._declared import Declared, declared
 from ._limits import Limit
+from ._printed import printed
 
 #: Of more numbers, only the extremes are compared with a limit.
 _MANY = 64
@@ -169,6 +171,8 @@ def check_fields(module: Any, *, to_come: bool = True) -> None:
 class Limited(eqx.Module):
     """A part of a mechanism whose fields are checked when it is made.
 
+    `print` shows its numbers, in SI units.
+
     **Raises:** `ValueError` at construction for a known number out of its range, a list of a wrong
     length or order, and a word that is not among the choices.
     """
@@ -178,6 +182,12 @@ class Limited(eqx.Module):
 
     def __check_init__(self) -> None:
         check_fields(self, to_come=self.to_come)
+
+    def __str__(self) -> str:
+        return printed(self)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
 
 
 def _scalar(value: object) -> float | None:

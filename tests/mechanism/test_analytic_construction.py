@@ -7,8 +7,10 @@ import jax
 import jax.numpy as jnp
 import pytest
 import scenes
+from scenes import array, example
 
 import prsm_jax as prsm
+from prsm_jax.friction import CoulombFriction
 from prsm_jax.mechanism import (
     Carrier,
     Gear,
@@ -166,3 +168,31 @@ def test_a_stage_by_its_number_counts_from_one():
     for number in (0, 3, -1):
         with pytest.raises(ValueError, match=f"stage is {number}; the mechanism has stages 1 to 2"):
             stage_at(two, number)
+
+
+@pytest.mark.parametrize("over", [jax.grad, jax.jit, lambda f: lambda n: jax.vmap(f)(n[None])])
+def test_a_traced_number_of_rollers_is_refused(over):
+    """Its derivative was 0."""
+
+    def of_count(number):
+        changed = prsm.set_parameter(example("wu2022"), "roller_count", number)
+        return changed.stages[0].thread.lead * changed.stages[0].roller_count
+
+    with pytest.raises(ValueError, match="roller_count is a whole number and part of the structur"):
+        over(of_count)(array(7.0))
+    assert float(of_count(7)) == 7 * float(example("wu2022").stages[0].thread.lead)
+
+
+def test_a_part_prints_its_numbers():
+    friction = example("wu2022").stages[0].friction
+    assert str(present(friction)) == "Friction(thread=CoulombFriction(coefficient=0.05))"
+    support = Support(radial_stiffness=2e8, torsional_stiffness=5e7)
+    assert str(support) == "Support(radial_stiffness=2e+08, torsional_stiffness=5e+07)"
+    assert present(support._repr_html_()) == f"<pre>{support}</pre>"
+    batch = jax.vmap(lambda mu: CoulombFriction(mu))(jnp.asarray([0.05, 0.06]))
+    assert str(batch) == "CoulombFriction(coefficient=[0.05, 0.06])"
+    many = jax.vmap(lambda mu: CoulombFriction(mu))(jnp.linspace(0.05, 0.06, 99))
+    assert str(many) == "CoulombFriction(coefficient=f64[99])"
+    told = []
+    jax.jit(lambda mu: told.append(str(CoulombFriction(mu))))(array(0.06))
+    assert told == ["CoulombFriction(coefficient=f64[])"]

@@ -34,6 +34,7 @@ from .._mechanism import Mechanism, check_axis
 from .._one_design import of_designs
 from ..parts import Thread
 from ._absent import hint_of
+from ._whole_numbers import whole_number
 
 
 @dataclasses.dataclass(frozen=True)
@@ -179,10 +180,7 @@ def _at(where: Callable[..., Any], static: bool, path: tuple[str, ...]):
         return eqx.tree_at(lambda m: _descend(where(m), path), mechanism, value)
 
     def set_static(mechanism, value):
-        if not isinstance(value, str):
-            if int(value) != value:
-                raise ValueError(f"{path[-1]} is {value}; it must be a whole number")
-            value = int(value)
+        value = value if isinstance(value, str) else whole_number(path[-1], value)
 
         def rebuild(node, names):
             if len(names) == 1:
