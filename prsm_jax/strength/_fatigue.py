@@ -71,12 +71,11 @@ def carrier_share(stage: Stage) -> Scalar:
 
 
 def cycles_per_turn(stage: Stage) -> tuple[Scalar, Scalar, Scalar]:
-    """Stress cycles of a point of screw, roller and nut in one turn of the screw.
+    """Stress cycles of a point of screw, roller and nut in one turn of the body that turns.
 
-    N (1 − ζ) rollers pass a point of the screw, N ζ a point of the nut. A roller turns n ζ times
-    relative to its carrier, and each of its flanks touches one body only. If the nut turns, both
-    bodies change their places; in general a roller turns ζ times the absolute value of κ
-    (`Thread.rolling_ratio`).
+    N (1 − ζ) rollers pass a point of the body that turns, N ζ a point of the other. A roller turns
+    ζ times the absolute value of κ (`Thread.rolling_ratio`, n in a standard roller screw) relative
+    to its carrier, and each of its flanks touches one body only.
 
     **Arguments:**
 

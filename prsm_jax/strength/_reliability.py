@@ -80,9 +80,10 @@ def minimum_oscillation_amplitude(
 ) -> Scalar:
     r"""Amplitude below which a contact does not leave its own ellipse and wears into the surface.
 
-    The roller rolls $2\varphi\,n\zeta r_R$ on the nut; where this is less than the ellipse's larger
-    axis $2a$, part of the contact is never exposed to lubricant: $\varphi = a/(n\zeta r_R)$. In
-    bearings false brinelling is observed at ratios of these two lengths up to about 1.
+    The roller rolls $2\varphi\,|\kappa|\zeta r_R$ on the body that does not turn, whose radius is
+    $|\kappa| r_R$; where this is less than the ellipse's larger axis $2a$, part of the contact is
+    never exposed to lubricant: $\varphi = a/(|\kappa|\zeta r_R)$. In bearings false brinelling is
+    observed at ratios of these two lengths up to about 1.
 
     **Arguments:**
 
