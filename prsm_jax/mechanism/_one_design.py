@@ -63,6 +63,29 @@ def _declared(module: eqx.Module, path: str) -> Iterator[tuple[int | None, int, 
                 yield one, declared.axes, at
 
 
+def _misplaced(module: eqx.Module, path: str = "") -> Iterator[str]:
+    """Parts of another class than their field declares, which `eqx.tree_at` has put there."""
+    try:
+        hints = typing.get_type_hints(type(module))
+    except NameError:
+        return
+    for field in dataclasses.fields(module):
+        among = members(hints[field.name])
+        classes = [m for m in among if isinstance(m, type) and issubclass(m, eqx.Module)]
+        only = classes and all(m in classes or m is types.NoneType for m in among)
+        for at, one in _items(getattr(module, field.name), f"{path}{field.name}"):
+            if isinstance(one, eqx.Module):
+                if only and not isinstance(one, tuple(classes)):
+                    wanted = " or ".join(c.__name__ for c in classes)
+                    yield f"{at} is a {type(one).__name__}, and must be a {wanted}"
+                yield from _misplaced(one, f"{at}.")
+
+
+@functools.lru_cache(maxsize=256)
+def _first_misplaced(structure: Any) -> str:
+    return next(_misplaced(jax.tree.unflatten(structure, range(structure.num_leaves))), "")
+
+
 def _items(value: Any, path: str) -> Iterator[tuple[str, Any]]:
     if isinstance(value, tuple | list):
         for index, one in enumerate(value):
@@ -107,6 +130,8 @@ def _check_numbers(
     remedy: Callable[[], str],
 ) -> None:
     leaves, structure = jax.tree.flatten(module)
+    if wrong := _first_misplaced(structure):
+        raise ValueError(f"{where}: {owner}{wrong}; derive its class from that one")
     for index, axes, path in _axes(structure):
         leaf = None if index is None else leaves[index]
         if leaf is None or isinstance(leaf, str | bytes):

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from extensions import extension
-from scenes import Swing, array, mechanism, simulate, stage, steady_state, thread
+from scenes import Swing, array, example, mechanism, simulate, stage, steady_state, thread
 
 import prsm_jax as prsm
 from prsm_jax import file
@@ -495,3 +495,33 @@ def test_a_law_with_a_state_in_an_ellipse_that_spins():
     run = simulate(one, prsm.Scenario(array(100.0), array(LOAD), array(3e-3), samples=11))
     steady = steady_state(one, 100.0, LOAD)
     assert float(run.efficiency[-1]) == pytest.approx(float(steady.efficiency), rel=1e-6)
+
+
+class _NoLaw(eqx.Module):
+    """Has the method of a law, but is none."""
+
+    mu: Scalar
+
+    def friction_coefficient(self, sliding):
+        return self.mu
+
+
+def test_a_part_that_is_no_law_is_named():
+    one = eqx.tree_at(lambda m: m.stages[0].friction.thread, example("wu2022"), _NoLaw(array(0.05)))
+    words = r"steady_state: stages\[0\].friction.thread is a _NoLaw, and must be a FrictionLaw"
+    with pytest.raises(ValueError, match=words):
+        prsm.steady_state(one)
+
+
+class _TwoNumbers(prsm.FrictionLaw):
+    mu: Scalar = number("1", "friction coefficient")
+
+    def friction_coefficient(self, sliding):
+        return jnp.stack([self.mu, self.mu])
+
+
+def test_a_law_that_gives_two_numbers_is_named():
+    law = _TwoNumbers(array(0.05))
+    one = eqx.tree_at(lambda m: m.stages[0].friction.thread, example("wu2022"), law)
+    with pytest.raises(ValueError, match=r"of _TwoNumbers gives an array of the shape \(2,\), and"):
+        prsm.steady_state(one)

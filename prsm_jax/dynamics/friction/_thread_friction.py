@@ -39,7 +39,18 @@ def friction_coefficient(
     """
     sliding = Sliding(speed, dict(law_inputs or {}))
     # A constant coefficient becomes an operation too, so that a trace shows its label.
-    return physics(_label(law))(lambda: law.friction_coefficient(sliding) * jnp.ones_like(speed))()
+    return physics(_label(law))(lambda: _coefficient(law, sliding) * jnp.ones_like(speed))()
+
+
+def _coefficient(law: FrictionLaw, sliding: Sliding) -> Scalar:
+    """**Raises:** `ValueError` if a law gives anything else than one number."""
+    found = law.friction_coefficient(sliding)
+    if jnp.shape(found) != jnp.shape(sliding.speed) and jnp.shape(found) != ():
+        raise ValueError(
+            f"friction_coefficient of {type(law).__name__} gives an array of the shape "
+            f"{jnp.shape(found)}, and must give one number"
+        )
+    return found
 
 
 def _label(law: FrictionLaw) -> str:
@@ -88,7 +99,7 @@ def _friction(
         speed = jnp.sqrt(square + _LEAST_SLIP**2)
         per_force = law.coefficient_per_speed(Sliding(speed, inputs, square)) * slip
     else:
-        per_force = law.friction_coefficient(Sliding(length_few(slip), inputs)) * direction
+        per_force = _coefficient(law, Sliding(length_few(slip), inputs)) * direction
     return per_force, _resistance(law, slip)
 
 
