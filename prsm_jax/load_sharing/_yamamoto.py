@@ -18,6 +18,7 @@ class ToothCompliance(eqx.Module):
     Divided by the length of thread that bears the load it is a compliance in m/N.
     """
 
+    #: Each part in m²/N. The tooth bends and shears.
     bending: Scalar
     shear: Scalar
     #: The root turns in the body that carries the tooth.

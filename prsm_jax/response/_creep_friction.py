@@ -69,7 +69,8 @@ class CreepFriction(Result):
     damping_across_slip: Annotated[Scalar, In("N·s/m")]
     #: Power of the friction of one roller, f·v₀ [W].
     power: Annotated[Scalar, In("W")]
-    #: t and b: radial, tangential, axial, in the frame of the flank that carries the load.
+    #: Unit vectors t along the slip and b across it: radial, tangential, axial, in the frame of the
+    #: flank that carries the load.
     along: Float[Array, "3"]
     across: Float[Array, "3"]
     #: Whether the contact slides: at standstill only friction that is smooth there damps, and both

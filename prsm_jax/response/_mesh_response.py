@@ -139,6 +139,8 @@ def excited_response(
     - `amplitude`: amplitude of the error in each contact, along its line of action [m].
     - `harmonic`: which harmonic of the excitation.
     - `damping`, `method`: as `harmonic_response`.
+
+    **Raises:** `ValueError` for a harmonic below 1.
     """
     if harmonic < 1:
         raise ValueError(f"harmonic is {harmonic}; the first is 1")

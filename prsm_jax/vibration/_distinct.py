@@ -17,13 +17,13 @@ class DistinctFrequencies(eqx.Module):
     With n bodies on the axis there are n + 1 torsional and n + 1 transverse frequencies, ascending.
     """
 
-    #: Simple; `None` without a carrier.
+    #: Of the carrier alone, multiplicity 1; `None` without a carrier [Hz].
     carrier: Scalar | None
-    #: Simple.
+    #: Multiplicity 1 each [Hz].
     torsional: Float[Array, " modes"]
-    #: Each with multiplicity 2.
+    #: Multiplicity 2 each [Hz].
     transverse: Float[Array, " modes"]
-    #: Multiplicity N − 3: it does not occur with three rollers.
+    #: Multiplicity N − 3 [Hz]: it does not occur with three rollers.
     roller: Scalar
 
 

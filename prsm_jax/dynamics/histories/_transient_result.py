@@ -63,6 +63,7 @@ _OVERLAPPING, _IMPOSSIBLE, _NOT_FINITE, _NO_DURATION = 9, 10, 11, 12
 class SolverReport(DesignResult):
     """How the integration went."""
 
+    #: Steps of the integrator, and those of them that were repeated with a smaller step.
     steps: Annotated[Int[Array, ""], In("1")]
     rejected: Annotated[Int[Array, ""], In("1")]
     #: 0 when successful; see `result`.
@@ -125,7 +126,7 @@ class CarrierHistory(eqx.Module):
 class Phase(eqx.Module):
     """Phases of turning or sticking; entries past the last phase have no length."""
 
-    #: [s]
+    #: Start and end of each phase [s].
     start: Float[Array, " phases"]
     end: Float[Array, " phases"]
     #: +1 forward, −1 backward, 0 sticking.
@@ -138,17 +139,25 @@ class Transient(DesignResult):
     time: Annotated[Float[Array, " times"], In("s")]
     #: Speed of the body that turns: first screw, or nut of an inverted roller screw [rad/s].
     screw_speed: Annotated[Float[Array, " times"], In("rad/s")]
+    #: ω [rad/s].
     carrier_speed: Annotated[Float[Array, "stages times"], In("rad/s")]
     #: ω/Ω; 0 while the screw stands still.
     carrier_ratio: Annotated[Float[Array, "stages times"], In("1")]
+    #: Ratio of the powers of load and drive [1]; see `prsm_jax.dynamics.known_efficiency`.
     efficiency: Float[Array, " times"]
+    #: Torque at the body that turns [N·m].
     drive_torque: Annotated[Float[Array, " times"], In("N·m")]
     #: Normal force of the body that turns on one roller, all its threads together [N].
     contact_force: Annotated[Float[Array, "stages times"], In("N")]
+    #: Axial part of it [N].
     screw_roller_axial_force: Annotated[Float[Array, "stages times"], In("N")]
+    #: Tooth force of the ring gear, and force of the carrier's pin, at one of the two ends of one
+    #: roller [N].
     ring_gear_force: Annotated[Float[Array, "stages times"], In("N")]
     carrier_force: Annotated[Float[Array, "stages times"], In("N")]
+    #: Axial friction force of the spline of each screw that moves along the axis [N].
     spline_friction: Annotated[Float[Array, "stages times"], In("N")]
+    #: Torque at the screw, or at the nut that turns, of each stage [N·m].
     stage_torque: Float[Array, "stages times"]
     #: Power of each modelled loss [W].
     losses: Annotated[dict[str, Float[Array, " times"]], In("W")]
@@ -172,8 +181,8 @@ class Transient(DesignResult):
     bristle_power: Float[Array, " times"] | None = None
     #: Deflection of the bristles, in the carrier's frame [m]; 0 in stages without bristles.
     bristle_deflection: Float[Array, "stages times 3"] | None = None
-    #: Travel of the last nut from its start [m], and whether the mechanism sticks; only under a
-    #: prescribed torque.
+    #: Travel of the last nut from its start [m], and whether the mechanism sticks; `None` unless
+    #: the torque is prescribed.
     position: Annotated[Float[Array, " times"] | None, In("m")] = None
     sticking: Bool[Array, " times"] | None = None
     #: Phases of turning and sticking, under a prescribed torque.

@@ -67,6 +67,7 @@ class SteadyState(DesignResult):
     self-locking).
     """
 
+    #: Output power over input power [1].
     efficiency: Annotated[Scalar, In("1")]
     #: Speed of the body that turns: first screw, or nut of an inverted roller screw [rad/s].
     screw_speed: Annotated[Scalar, In("rad/s")]
@@ -85,11 +86,15 @@ class SteadyState(DesignResult):
     #: Unit vector of that slip, in the carrier's frame: radial, tangential, axial; at standstill
     #: that of impending motion.
     slip_direction: Float[Array, "stages 3"]
+    #: Tooth force of the ring gear, and force of the carrier's pin, at one of the two ends of one
+    #: roller [N].
     ring_gear_force: Annotated[Float[Array, " stages"], In("N")]
     carrier_force: Annotated[Float[Array, " stages"], In("N")]
+    #: Axial friction force of the spline of each screw that moves along the axis [N].
     spline_friction: Annotated[Float[Array, " stages"], In("N")]
     #: Power of each modelled loss [W].
     losses: Annotated[dict[str, Scalar], In("W")]
+    #: Of the body that drives, and of the one that is driven [W].
     input_power: Annotated[Scalar, In("W")]
     output_power: Annotated[Scalar, In("W")]
     #: |input − output − losses| / input.

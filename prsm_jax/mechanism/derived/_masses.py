@@ -17,7 +17,10 @@ from ._thread_sections import ThreadSection, thread_section
 
 
 def material_of(stage: Stage, body: str) -> Material:
-    """The material of a body (`"screw"`, `"roller"`, …): its own, or the stage's."""
+    """The material of a body (`"screw"`, `"roller"`, …): its own, or the stage's.
+
+    **Raises:** `MissingDataError` if neither is given.
+    """
     part = getattr(stage, body)
     own = part.material if part is not None else None
     if own is not None:

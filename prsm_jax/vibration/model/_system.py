@@ -13,11 +13,13 @@ from ...stiffness import ThreadStiffness, ring_roller_stiffness
 class CentralBody(eqx.Module):
     """A body on the axis (screw, ring gear or nut) with its springs to housing and rollers."""
 
+    #: [kg].
     mass: Scalar
     #: J/r² [kg].
     equivalent_mass: Scalar
     #: Stiffness of the spring to one roller, along the tangent [N/m].
     mesh_stiffness: Scalar
+    #: Stiffness of the springs to the housing, the torsional one over r² [N/m].
     radial_support: Scalar
     torsional_support: Scalar
     #: +1 if the roller's rotation stretches the spring in the same sense (screw), −1 otherwise.
@@ -36,9 +38,11 @@ class CentralBody(eqx.Module):
 class CarrierBody(eqx.Module):
     """The carrier. If rollers only rotate, it has their masses and vibrates on its own."""
 
+    #: J/r² [kg], and torsional stiffness over r² [N/m].
     equivalent_mass: Scalar
     torsional_support: Scalar
-    #: Only where rollers move in translation, and the carrier with them.
+    #: Mass [kg] and stiffness [N/m], only where rollers and with them the carrier move in
+    #: translation.
     mass: Scalar | None = None
     radial_support: Scalar | None = None
 
@@ -46,6 +50,7 @@ class CarrierBody(eqx.Module):
 class RollerTranslation(eqx.Module):
     """Rollers that also translate in the transverse plane, on pins of the carrier."""
 
+    #: Of one roller [kg].
     mass: Scalar
     #: Equal in the radial and the tangential direction [N/m].
     pin_stiffness: Scalar
@@ -56,6 +61,7 @@ class RollerScatter(eqx.Module):
 
     #: Angle of each roller around the screw [rad].
     position: Float[Array, " rollers"]
+    #: Factors on stiffness and mass of each roller [1].
     stiffness_factor: Float[Array, " rollers"] | None = None
     mass_factor: Float[Array, " rollers"] | None = None
     #: The number of each roller's position, for names.

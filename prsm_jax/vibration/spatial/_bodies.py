@@ -14,12 +14,14 @@ class SpatialBody(eqx.Module):
     mass: Scalar
     #: J/r² [kg].
     equivalent_mass: Scalar
+    #: Stiffness of the springs to the housing, the torsional one over r² [N/m].
     radial_support: Scalar
     torsional_support: Scalar
     name: str = eqx.field(static=True)
     #: Along z, with everything that is fixed to it in this direction [kg]; `None` if the body
     #: itself is fixed to another one in z.
     axial_mass: Scalar | None = None
+    #: Along z [N/m].
     axial_support: Scalar | None = None
     #: Of tilts about x and y, moment of inertia and stiffness over r² [kg, N/m]; `None` if the body
     #: does not tilt by itself.
