@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from ..fields import Scalar
-from ..mechanism import Mechanism, Parameter, written_out
+from ..mechanism import Mechanism, Parameter, directions_of, move_alone
 from ..quantities import compute_checked
 
 Mode: TypeAlias = Literal["auto", "forward", "reverse"]
@@ -44,32 +44,8 @@ def jacobian(
     **Returns:** the values by name, the Jacobian with the components of all quantities as rows, and
     whether the values are usable.
     """
-
-    kept = {id(leaf) for leaf in jax.tree.leaves(mechanism)}
-    moves: list[bool] = []
-    structure = jax.tree.structure(mechanism)
-    added = [
-        parameter.path
-        for parameter in parameters
-        if jax.tree.structure(parameter.set(mechanism, parameter.get(mechanism))) != structure
-    ]
-
-    def direction(parameter: Parameter):
-        def moved_to(value: Scalar) -> Mechanism:
-            moved = written_out(parameter.set(mechanism, value), added)
-            # A number that the parameter does not touch is the same object as before.
-            here = [id(leaf) not in kept for leaf in jax.tree.leaves(moved)]
-            moves[:] = map(max, moves, here) if moves else here
-            return moved
-
-        value = parameter.get(mechanism)
-        return jax.jvp(moved_to, (value,), (jnp.ones_like(value),))
-
-    pairs = [direction(parameter) for parameter in parameters]
-    leaves, structure = jax.tree.flatten(pairs[0][0])
-    points = [leaf for leaf, one in zip(leaves, moves, strict=True) if one]
-    tangents = zip(*(jax.tree.leaves(along) for _, along in pairs), strict=True)
-    directions = [jnp.stack(along) for along, one in zip(tangents, moves, strict=True) if one]
+    moves = [move_alone(mechanism, (parameter,)) for parameter in parameters]
+    points, directions, placed = directions_of(mechanism, moves, parameters)
     if shift is not None:
         points = [
             point + jnp.tensordot(shift, along, 1).astype(point.dtype)
@@ -77,10 +53,7 @@ def jacobian(
         ]
 
     def evaluate(points: list[Array]):
-        rest = iter(points)
-        placed = [next(rest) if one else leaf for leaf, one in zip(leaves, moves, strict=True)]
-        complete = jax.tree.unflatten(structure, placed)
-        values, valid = compute_checked(complete, quantities, speed=speed, load=load)
+        values, valid = compute_checked(placed(points), quantities, speed=speed, load=load)
         return jnp.concatenate([jnp.ravel(values[name]) for name in quantities]), (values, valid)
 
     if mode == "auto":

@@ -80,6 +80,7 @@ def map_over_drivers(
         axes,
         problem.computed,
         gradients=list(axes),
+        hold_axes=True,
         store=store,
         progress=progress,
     )
@@ -112,6 +113,7 @@ def at_designs(
         quantities,
         plan="list",
         gradients=list(axes),
+        hold_axes=True,
         chunk=size,
         findings=grid is not None,
     )

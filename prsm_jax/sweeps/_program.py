@@ -1,6 +1,7 @@
 """The compiled part of a sweep: one block of designs, all at once."""
 
 import functools
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -10,7 +11,16 @@ from jaxtyping import Array, Float, Int
 
 from ..fields import Scalar
 from ..findings import first_error, margins_of, shared_loads
-from ..mechanism import Mechanism, find_parameters, set_parameters, with_traced_counts
+from ..mechanism import (
+    Directions,
+    Mechanism,
+    directions_of,
+    find_parameters,
+    move_alone,
+    move_while_others_stay,
+    set_parameters,
+    with_traced_counts,
+)
 from ..quantities import Analysis, evaluate_coded
 
 
@@ -21,6 +31,11 @@ class Question(NamedTuple):
     quantities: tuple[str, ...]
     #: Parameters by which every quantity is differentiated.
     gradients: tuple[str, ...]
+    #: Names of the axes, in the order in which they are set: a dictionary of arrays has no order
+    #: of its own in a program.
+    axes: tuple[str, ...]
+    #: Whether axes keep their values in a derivative by another one.
+    hold_axes: bool
     #: Sources of margins whose errors are looked for, or `None`.
     sources: tuple[Any, ...] | None
     #: Number of designs in a call.
@@ -95,8 +110,9 @@ def evaluate_chunk(
     mechanism = jax.tree.unflatten(structure, leaves)
 
     def design(values: dict[str, Scalar]) -> BlockResults:
-        whole = {n: v for n, v in values.items() if find_parameters(mechanism, n)[0].static}
-        numbers = {n: v for n, v in values.items() if n not in whole}
+        given = {name: values[name] for name in question.axes if name in values}
+        whole = {n: v for n, v in given.items() if find_parameters(mechanism, n)[0].static}
+        numbers = {n: v for n, v in given.items() if n not in whole}
         counted = with_traced_counts(mechanism, whole)
         return _evaluate(set_parameters(counted, numbers), point, question)
 
@@ -112,21 +128,38 @@ def _evaluate(mechanism: Mechanism, point: dict[str, Any], question: Question) -
     values, code = evaluate_coded(analysis, question.quantities)
     derivatives: dict[tuple[str, str], Any] = {}
     if question.gradients:
+        directions = _directions(mechanism, question)
 
-        def changed(by: dict[str, Scalar]) -> dict[str, Array]:
-            again = Analysis(set_parameters(mechanism, by), point["speed"], point["load"])
+        def moved_to(points: Sequence[Array]) -> dict[str, Array]:
+            again = Analysis(directions.placed(points), point["speed"], point["load"])
             return evaluate_coded(again, question.quantities)[0]
 
-        present = {
-            name: find_parameters(mechanism, name)[0].get(mechanism) for name in question.gradients
-        }
+        _, push = jax.linearize(moved_to, directions.points)
         derivatives = {
-            (quantity, name): slope
-            for quantity, row in jax.jacfwd(changed)(present).items()
-            for name, slope in row.items()
+            (quantity, name): slopes[place]
+            for quantity, slopes in jax.vmap(push)(directions.tangents).items()
+            for place, name in enumerate(question.gradients)
         }
     values, derivatives = jax.tree.map(
         lambda value: jnp.where(code == 0, value, jnp.nan), (values, derivatives)
     )
     error = first_error(analysis) if question.sources else jnp.zeros_like(code)
     return BlockResults(values, derivatives, code, error)
+
+
+def _directions(mechanism: Mechanism, question: Question) -> Directions:
+    """The direction of each gradient, which does not depend on the others."""
+    found = {name: find_parameters(mechanism, name) for name in question.gradients}
+    held: dict[str, Scalar] = {}
+    if question.hold_axes:
+        axes = {name: find_parameters(mechanism, name)[0] for name in question.axes}
+        # All stages have the value of an axis.
+        held = {name: one.get(mechanism) for name, one in axes.items() if not one.static}
+    moves = [
+        move_while_others_stay(mechanism, name, held)
+        if name in held
+        else move_alone(mechanism, numbers)
+        for name, numbers in found.items()
+    ]
+    numbers = [number for numbers in found.values() for number in numbers]
+    return directions_of(mechanism, moves, numbers)

@@ -43,6 +43,9 @@ class _Settings(NamedTuple):
 
     quantities: tuple[str, ...]
     gradients: tuple[str, ...]
+    #: Names of the axes in their order, and whether a derivative by one keeps the others.
+    axes: tuple[str, ...]
+    hold_axes: bool
     findings: bool
     #: Number of designs in a call.
     size: int
@@ -54,7 +57,9 @@ class _Settings(NamedTuple):
     @property
     def question(self) -> Question:
         margins = sources() if self.findings else None
-        return Question(self.quantities, self.gradients, margins, self.size)
+        return Question(
+            self.quantities, self.gradients, self.axes, self.hold_axes, margins, self.size
+        )
 
     @property
     def arguments(self) -> dict[str, Any]:
@@ -108,6 +113,8 @@ class Job:
     call: int
     #: Where blocks are written, or `None`.
     store: Path | None = None
+    #: Whether a derivative by an axis keeps the values of the other axes.
+    hold_axes: bool = False
 
     @functools.cached_property
     def _settings(self) -> _Settings:
@@ -146,7 +153,16 @@ class Job:
             share = -(-size // len(self.plan.static_choices(traced)))
             size = min(size, max(share, _LEAST))
         size = equal_parts(size, self.call)
-        return _Settings(self.quantities, self.gradients, self.findings, size, self.point, traced)
+        return _Settings(
+            self.quantities,
+            self.gradients,
+            tuple(axis.name for axis in self.plan.axes),
+            self.hold_axes,
+            self.findings,
+            size,
+            self.point,
+            traced,
+        )
 
     def _traced(self, settings: _Settings, choice: dict[str, int]) -> BlockResults:
         """Shapes of the results of the program of a choice."""

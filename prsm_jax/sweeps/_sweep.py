@@ -57,6 +57,7 @@ def sweep(
     shard: tuple[int, int] | None = None,
     executor: Executor | None = None,
     findings: bool = True,
+    hold_axes: bool = False,
 ) -> "xarray.Dataset":
     """Evaluate quantities, and on request their derivatives, at many designs.
 
@@ -85,7 +86,9 @@ def sweep(
       then the second, and so on. `"lhs"`: a Latin hypercube, or `"sobol"`: Sobol's sequence, of
       `points` designs between two limits on every axis.
     - `points`, `seed`: of `"lhs"` and `"sobol"`.
-    - `gradients`: parameters by which every quantity is differentiated, exactly.
+    - `gradients`: parameters by which every quantity is differentiated, exactly. As in
+      `sensitivity`, each changes alone, in all stages by equal amounts, together with the
+      dimensions that follow from it.
     - `speed`, `load`: operating point [rad/s, N]; default that of the mechanism.
     - `chunk`: largest number of designs in a block, which is stored as a whole. Default: that of
       the store, or a 32nd of the designs, from 4,096 to 32,768 (131,072 on an accelerator); fewer
@@ -102,6 +105,8 @@ def sweep(
       of a Dask client. Default: threads of this process, one for each core or device.
     - `findings`: whether to look for errors of `check` in every design; this may need more
       analyses than the quantities.
+    - `hold_axes`: whether a derivative by an axis keeps the values of the other axes, where one
+      follows from another (`pitch` from `starts`): it is then the slope along the axis.
 
     **Returns:** an `xarray.Dataset` with one variable per quantity, one per derivative
     (`efficiency_by_lead`), the boolean `failed`, and the codes `code` (why a design failed) and
@@ -145,6 +150,7 @@ def sweep(
     blocks = blocks_of(laid_out.shape, chunk or block_size(laid_out.points))
     point = _point(speed, load)
     job = Job(mechanism, laid_out, blocks, names, parameters, point, findings, call_size())
+    job = replace(job, hold_axes=hold_axes)
     path = None if store is None else real_path(Path(store))
     replacing = path is not None and not resume and path.exists()
     if path is None or replacing or not path.exists() or not any(path.iterdir()):
@@ -317,6 +323,7 @@ def _identity(job: Job) -> dict[str, Any]:
         "axes": {axis.name: _digest(axis.values.tobytes()) for axis in job.plan.axes},
         "quantities": list(job.quantities),
         "gradients": list(job.gradients),
+        "hold_axes": job.hold_axes,
         "point": job.point,
         "findings": job.findings,
         "precision": str(jnp.result_type(float)),

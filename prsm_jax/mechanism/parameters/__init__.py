@@ -1,6 +1,12 @@
 """Numbers of a mechanism by name: read and set, one or several."""
 
 from ._check_tolerance import check_tolerance as check_tolerance
+from ._directions import (
+    Directions as Directions,
+    directions_of as directions_of,
+    move_alone as move_alone,
+    move_while_others_stay as move_while_others_stay,
+)
 from ._follows import (
     dependents_in_words as dependents_in_words,
     follows_in_words as follows_in_words,
