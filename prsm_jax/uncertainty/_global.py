@@ -10,7 +10,7 @@ import numpy as np
 
 from .._errors import missing_extra
 from ..fields import Scalar, as_optional_scalar
-from ..mechanism import Mechanism, Tolerance, get_parameter, of_one_known_design
+from ..mechanism import Mechanism, Tolerance, find_parameters, of_one_known_design
 from ..quantities import named_quantities, quantity_of
 from ..results import Shown
 from ..text import TextTable
@@ -97,9 +97,22 @@ def _inputs(mechanism: Mechanism, ranges: Mapping[str, Any] | None) -> Inputs:
         except (TypeError, ValueError):
             message = f"range of {name!r} is {pair!r}; give (lower, upper)"
             raise ValueError(message) from None
-        nominal = float(np.asarray(get_parameter(mechanism, name)))
+        nominal = _common_value(mechanism, name)
         rows.append(Tolerance(name, lower - nominal, upper - nominal, "uniform"))
     return inputs_of(mechanism, rows)
+
+
+def _common_value(mechanism: Mechanism, name: str) -> float:
+    """Present value of a number that all stages share: one range holds in each of them."""
+    parameters = find_parameters(mechanism, name)
+    present = [float(np.asarray(one.get(mechanism))) for one in parameters]
+    if not np.allclose(present, present[0], rtol=1e-12, atol=0.0):
+        raise ValueError(
+            f"range of {name!r}: its present value differs between the stages "
+            f"({', '.join(f'{value:g}' for value in present)}); name the stage: "
+            f"{' or '.join(one.path for one in parameters)}"
+        )
+    return present[0]
 
 
 def _evaluated(inputs: Inputs, deviations, selected, speed, load) -> dict[str, np.ndarray]:
@@ -166,7 +179,8 @@ def sobol_indices(
 
     **Returns:** a `GlobalSensitivity`.
 
-    **Raises:** as `tolerance`; `ValueError` if a design fails; `MissingExtraError` without SALib.
+    **Raises:** as `tolerance`; `ValueError` if a design fails, or for a range of a number that
+    differs between the stages; `MissingExtraError` without SALib.
     """
     inputs, selected = _inputs(mechanism, ranges), named_quantities(quantities)
     salib, problem = _salib(inputs)
@@ -257,7 +271,7 @@ def active_subspace(
 
     **Returns:** a `GlobalSensitivity` with `eigenvalues` and `directions`.
 
-    **Raises:** as `tolerance`; `ValueError` if a design fails.
+    **Raises:** as `tolerance`; `ValueError` as `sobol_indices`.
     """
     inputs, selected = _inputs(mechanism, ranges), named_quantities(quantities)
     deviations = points(inputs, samples, seed).reshape(-1, len(inputs.tolerances))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from uncertainty_scenes import MECHANISM, TOLERANCES
 
+import prsm_jax as prsm
 from prsm_jax.uncertainty import active_subspace, morris, sobol_indices
 
 ISHIGAMI, LINEAR, PAIR = "uncertainty_ishigami", "uncertainty_linear", "uncertainty_pair"
@@ -86,6 +87,27 @@ def test_what_is_wrong_is_said(method):
         method(MECHANISM, LINEAR, RANGES)
     with pytest.raises(ValueError, match="the mechanism has no tolerances"):
         method(MECHANISM, [LINEAR])
+
+
+@pytest.mark.parametrize("method", [sobol_indices, morris, active_subspace])
+def test_a_range_of_different_stages_is_refused(method):
+    two = prsm.load("li2021_two_stage")
+    for stage, lead in ((1, 5e-3), (2, 15e-3)):
+        two = prsm.set_parameter(two, f"stage.{stage}.thread.lead", lead)
+    words = "'lead': .* differs between the stages .0.005, 0.015.; name the stage: stage.1.thread"
+    with pytest.raises(ValueError, match=words):
+        method(two, ["nut_speed"], {"lead": (9e-3, 11e-3)})
+
+
+def test_a_range_of_one_of_two_stages_is_that_of_the_number():
+    """In series the nut moves by both leads: 2 mm per turn over the range of one."""
+    two = prsm.load("li2021_two_stage")
+    two = prsm.set_parameter(two, "stage.1.thread.lead", 5e-3)
+    found = morris(
+        two, ["nut_speed"], {"stage.2.thread.lead": (9e-3, 11e-3)}, trajectories=4, speed=2 * PI
+    )
+    mean = found.of("mean", "nut_speed")["stage.2.thread.lead"]
+    assert abs(mean) == pytest.approx(2e-3, rel=1e-9)
 
 
 def test_odd_levels_are_refused():
