@@ -12,7 +12,7 @@ from ..quantities import quantity_of
 from ..results import Shown
 from ..text import TextTable, display_unit
 from ._inputs import Inputs, inputs_of
-from ._limits import limits_of
+from ._limits import check_components, limits_of
 from ._result import ToleranceAnalysis
 from ._tolerance import derivatives, limit_of, tolerance
 
@@ -237,6 +237,7 @@ def _problem_of(
         raise ValueError("there are no limits; give limits, or constraints in the [optimise] table")
     selected = tuple(dict.fromkeys(map(quantity_of, bounds)))
     at = as_optional_scalar(speed), as_optional_scalar(load)
+    check_components(inputs.mechanism, bounds, *at)
     values, slopes, _, code = derivatives(inputs, selected, at, False)
     if code:
         raise ValueError("the design in the middle of the tolerances fails; see `prsm check`")

@@ -4,8 +4,19 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from ..mechanism import DesignProblem
-from ..quantities import quantity_names
+import equinox as eqx
+
+from .._errors import UnknownNameError
+from ..fields import Scalar
+from ..mechanism import DesignProblem, Mechanism
+from ..quantities import (
+    Analysis,
+    component_names,
+    evaluate,
+    is_function,
+    quantity_names,
+    quantity_of,
+)
 
 Limits = dict[str, tuple[float, float]]
 
@@ -25,6 +36,37 @@ def limits_of(problem: DesignProblem | None, given: Mapping[Any, Any] | None) ->
     for name, pair in zip(quantity_names(given or ()), (given or {}).values(), strict=True):
         limits[name] = _pair(name, pair)
     return limits
+
+
+def check_components(
+    mechanism: Mechanism, limits: Limits, speed: Scalar | None, load: Scalar | None
+) -> None:
+    """Refuse a limit on a component that its quantity does not have.
+
+    **Arguments:**
+
+    - `mechanism`: the mechanism, on which the number of components depends.
+    - `limits`: from `limits_of`.
+    - `speed`, `load`: operating point [rad/s, N], or `None` for that of the mechanism.
+
+    **Raises:** `UnknownNameError` with the components that there are.
+    """
+    numbered = [one for one in limits if "[" in one and not is_function(one)]
+    if not numbered:
+        return
+    names = tuple(dict.fromkeys(quantity_of(label).name for label in numbered))
+    shapes = eqx.filter_eval_shape(
+        lambda *at: evaluate(Analysis(*at), names), mechanism, speed, load
+    )
+    for label in numbered:
+        name = quantity_of(label).name
+        known = component_names(name, shapes[name].shape)
+        if label not in known:
+            listed = known if len(known) < 4 else [known[0], "…", known[-1]]
+            raise UnknownNameError(
+                f"limits of {label!r}: the quantity has no such component; give limits of "
+                f"{', '.join(dict.fromkeys([name, *listed]))}"
+            )
 
 
 def _pair(name: str, pair) -> tuple[float, float]:

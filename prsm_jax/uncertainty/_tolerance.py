@@ -27,7 +27,7 @@ from ._estimates import (
     within,
 )
 from ._inputs import Inputs, inputs_of
-from ._limits import Limits, limits_of
+from ._limits import Limits, check_components, limits_of
 from ._programs import derivatives_along
 from ._result import MethodResult, ToleranceAnalysis
 from ._sampling import SCRAMBLINGS, Progress, by_component, evaluate_points, points
@@ -68,7 +68,8 @@ def tolerance(
     - `quantities`: names from the catalogue, or functions of a mechanism; default those with
       limits, or else those of `DEFAULT_QUANTITIES` that the mechanism has the data for. Those with
       limits are added.
-    - `limits`: (lower, upper) [SI] by the name of a quantity, `None` for no limit. They replace
+    - `limits`: (lower, upper) [SI] by the name of a quantity or of one of its components, such as
+      `rating_life[2]`; `None` for no limit. They replace
       the limits of the same quantity in the mechanism's design problem; its others still hold.
     - `method`: `"first_order"` (from gradients), `"second_order"` (with all second derivatives),
       `"monte_carlo"` (scrambled Sobol points), or `"all"`.
@@ -94,6 +95,7 @@ def tolerance(
     bounds = limits_of(mechanism.design_problem, limits)
     selected = _selected(mechanism, quantities, bounds, speed, load)
     at = as_optional_scalar(speed), as_optional_scalar(load)
+    check_components(inputs.mechanism, bounds, *at)
     methods = _METHODS if method == "all" else (method,)
     by_method: dict[str, MethodResult] = {}
     if method != "monte_carlo":

@@ -251,6 +251,38 @@ def test_first_order_keeps_the_distributions_of_the_tolerances():
     assert found.yield_share + other - 1 - 1e-12 <= whole <= min(found.yield_share, other)
 
 
+@pytest.mark.parametrize(
+    ("label", "known"),
+    [
+        (f"{LINEAR}[1]", f"give limits of {LINEAR}$"),
+        (f"{LINEAR}[2]", f"give limits of {LINEAR}$"),
+        (f"{PAIR}[0]", r"give limits of uncertainty_pair, uncertainty_pair\[1\], uncert"),
+        (f"{PAIR}[3]", r"uncertainty_pair\[2\]$"),
+        (f"{PAIR}[1", r"uncertainty_pair\[2\]$"),
+    ],
+)
+def test_limits_of_a_component_that_is_not_there_are_refused(label, known):
+    for limits, problem in (({label: (0.0, 1.0)}, None), (None, label)):
+        mechanism = MECHANISM
+        if problem:
+            objective, variable = Objective(LINEAR, "maximise"), Variable("lead", 9e-3, 11e-3)
+            design = DesignProblem(
+                objectives=(objective,),
+                variables=(variable,),
+                constraints=(Constraint(problem, upper=1.0),),
+            )
+            mechanism = dataclasses.replace(MECHANISM, design_problem=design)
+        for method in (prsm.tolerance, allocated):
+            with pytest.raises(prsm.UnknownNameError, match=known):
+                method(mechanism, limits=limits, tolerances=TOLERANCES)
+
+
+def allocated(mechanism, limits, tolerances):
+    return prsm.uncertainty.allocate_tolerances(
+        mechanism, 0.9, limits=limits, tolerances=tolerances, verify=False
+    )
+
+
 def test_limits_of_the_design_problem_hold_unless_the_argument_has_others():
     problem = DesignProblem(
         (Variable("lead", 5e-3, 20e-3),),
