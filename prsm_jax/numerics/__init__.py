@@ -56,3 +56,4 @@ from ._trigonometry import (
 )
 from ._types import Scalar as Scalar
 from .compilation import apart as apart, in_pieces as in_pieces, merged as merged
+from .sampling import latin_hypercube as latin_hypercube, sobol_points as sobol_points

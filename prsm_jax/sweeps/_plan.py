@@ -14,6 +14,7 @@ import numpy as np
 
 from ..fields import FEWEST_TRACED
 from ..mechanism import Mechanism, set_parameters
+from ..numerics import latin_hypercube, sobol_points
 from ._axes import Axis, axes_of
 
 #: `grid`: all combinations of the values. `list`: the first value of each axis, then the second,
@@ -194,14 +195,11 @@ def _sampled(axes: tuple[Axis, ...], kind: str, points: int, seed: int) -> tuple
                 f"axis {axis.name!r} holds {', '.join(f'{v:g}' for v in axis.values)}; plan "
                 f"{kind!r} needs a lower and an upper limit, in this order"
             )
-    from scipy.stats import qmc
-
     if kind == "lhs":
-        places = qmc.LatinHypercube(len(axes), rng=seed).random(points)
+        places = latin_hypercube(len(axes), points, seed)
     else:
         # Sobol's points come in powers of two; the first ones of the next power are taken.
-        whole = qmc.Sobol(len(axes), rng=seed).random_base2(math.ceil(math.log2(points)))
-        places = whole[:points]
+        places = sobol_points(len(axes), math.ceil(math.log2(points)), seed)[:points]
 
     def spread(axis: Axis, share: np.ndarray) -> Axis:
         lower, upper = axis.values

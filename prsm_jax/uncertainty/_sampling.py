@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..fields import Scalar
+from ..numerics import sobol_points
 from ..quantities import Quantity, component_names
 from ._inputs import Inputs
 from ._programs import evaluate_designs
@@ -24,17 +25,9 @@ def points(inputs: Inputs, samples: int, seed: int) -> np.ndarray:
     The number of points of each scrambling is rounded up to a power of 2, on which Sobol points
     are balanced.
     """
-    from scipy.stats import qmc
-
     power = max(int(np.ceil(np.log2(samples / SCRAMBLINGS))), 0)
     generators = np.random.default_rng(seed).spawn(SCRAMBLINGS)
-    sets = []
-    for generator in generators:
-        try:
-            sobol = qmc.Sobol(len(inputs.tolerances), scramble=True, rng=generator)
-        except TypeError:  # SciPy before 1.15
-            sobol = qmc.Sobol(len(inputs.tolerances), seed=generator)  # pyright: ignore
-        sets.append(sobol.random_base2(power))
+    sets = [sobol_points(len(inputs.tolerances), power, one) for one in generators]
     return inputs.standardised(np.stack(sets))
 
 

@@ -83,6 +83,17 @@ def test_spread_designs(kind):
     assert (data["lead"].values != spread(seed=4)["lead"].values).any()
 
 
+@pytest.mark.parametrize(("kind", "sampler"), [("lhs", "LatinHypercube"), ("sobol", "Sobol")])
+def test_designs_are_spread_by_scipy_1_14_too(kind, sampler, monkeypatch):
+    """Its samplers take `seed`, and know no `rng`."""
+    made = getattr(qmc, sampler)
+    monkeypatch.setattr(qmc, sampler, lambda dimensions, seed: made(dimensions, seed=seed))
+    axes = {"lead": (6e-3, 14e-3)}
+    data = sweep(scenes.mechanism(), axes, ["nut_radius"], plan=kind, points=8)
+    parts = np.floor((data["lead"].values - 6e-3) / 1e-3)
+    assert sorted(parts) == list(range(8))
+
+
 def test_sobol_points_are_spread_more_evenly_than_random_ones():
     axes = {"lead": (0.006, 0.014), "contact_angle": (0.7, 0.9)}
     data = sweep(scenes.mechanism(), axes, ["nut_radius"], plan="sobol", points=50)
