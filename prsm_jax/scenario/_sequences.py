@@ -7,7 +7,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, ArrayLike, Float
 
-from ..fields import ANY, MANY, Converted, Limited, Numbers, Scalar, choice, numbers
+from ..fields import ANY, MANY, NOT_NEGATIVE, Converted, Limited, Numbers, Scalar, choice, numbers
 from ._profiles import (
     ConstantProfile,
     SCurveMoveProfile,
@@ -26,7 +26,7 @@ class TableProfile(Limited):
 
     kind: ClassVar[str] = "table"
     times: Numbers = numbers(
-        "s", "increasing times, from 0 on", limit=ANY, least=2, increasing=True
+        "s", "increasing times, from 0 on", limit=NOT_NEGATIVE, least=2, increasing=True
     )
     values: Numbers = numbers("*", "values at these times", limit=ANY, least=2, length="times")
     interpolation: Interpolation = choice("between the points", default="linear")

@@ -10,6 +10,7 @@ import scipy.integrate
 import scipy.interpolate
 from scenes import array
 
+import prsm_jax as prsm
 from prsm_jax.scenario import (
     AerodynamicLoad,
     ConstantProfile,
@@ -28,6 +29,20 @@ from prsm_jax.scenario import (
     depends_on_motion,
 )
 
+ONE_STAGE = """
+[[stage]]
+roller_count = 7
+
+[stage.thread]
+lead = "10 mm"
+starts = 5
+roller_radius = "4 mm"
+contact_angle = "45 deg"
+
+[stage.friction.thread]
+law = "coulomb"
+coefficient = 0.1
+"""
 TRAPEZOID = TrapezoidalProfile(100.0, 0.1, 0.2, 0.05, 0.15)
 #: Long enough for all seven stretches; never at the limit of speed; nor at that of acceleration.
 CURVES = (
@@ -267,6 +282,7 @@ def test_values_of_loads():
             lambda: TableProfile([0.0, 1.0], [1.0]),
             "values has 1 number, but times has 2; give as many",
         ),
+        (lambda: TableProfile([-1.0, 1.0], [0.0, 2.0]), "times is -1 s; it must be 0 or more"),
         (lambda: TableProfile([0.0, 1.0], [1.0, 2.0], "quintic"), "choose one of linear"),  # pyright: ignore[reportArgumentType]
         (lambda: SequenceProfile(()), "part is empty"),
         (lambda: SequenceProfile((SineProfile(1.0, 1.0),)), "has no end"),  # pyright: ignore[reportArgumentType]
@@ -279,6 +295,33 @@ def test_values_of_loads():
 def test_what_makes_no_sense_is_refused(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+def test_a_file_whose_table_begins_before_0_is_refused():
+    text = """
+[scenario]
+load = "1 kN"
+duration = "1 s"
+
+[scenario.speed]
+kind = "table"
+times = ["-0.5 s", "1 s"]
+values = ["0 rpm", "60 rpm"]
+"""
+    with pytest.raises(prsm.FileError, match=r'number 1 of the array, "-0\.5 s": must be 0'):
+        prsm.loads(ONE_STAGE + text)
+
+
+def test_times_of_a_table_may_be_traced():
+    """∫₀¹ of a line from 0 to 2 over (0, T) is 1/T for T above 1, with the derivative −1/T²."""
+
+    def angle(end):
+        times = jnp.stack([jnp.zeros_like(end), end])
+        return TableProfile(times, array([0.0, 2.0])).angle(array(1.0))
+
+    value, slope = jax.jit(jax.value_and_grad(angle))(array(4.0))
+    assert float(value) == pytest.approx(1 / 4, rel=1e-15)
+    assert float(slope) == pytest.approx(-1 / 16, rel=1e-14)
 
 
 @pytest.mark.parametrize("share", np.linspace(0.9, 1.1, 7))
@@ -345,7 +388,7 @@ def test_sequences_that_are_too_deep_or_too_long():
 def test_a_long_table_is_the_same_alone_and_in_a_batch():
     """Past 128 points a time is sought by halving, in a batch by another program."""
     random = np.random.default_rng(14)
-    points = np.cumsum(random.uniform(0.1, 1.0, 300)) - 0.5
+    points = np.cumsum(random.uniform(0.1, 1.0, 300))
     values = random.normal(size=300)
     times = np.concatenate([points[[0, 1, 150, 298, 299]], np.linspace(-1.0, points[-1] + 1, 20)])
     profile = TableProfile(points, values, "linear")
