@@ -68,6 +68,8 @@ class Improvement:
         self._end: dict[str, float] | None = None
         self._mechanism, self._told = mechanism, told
         self._stop = threading.Event()
+        # A search that ends between a test of the state and its change would never stop.
+        self._changing = threading.Lock()
         self._thread = threading.Thread(target=self._run, name="improve", daemon=True)
         self._thread.start()
 
@@ -89,9 +91,10 @@ class Improvement:
 
     def stop(self) -> None:
         """End the search at its next step."""
-        if self.state == "running":
-            self.state, self.message = "stopping", "stopping at the next step"
         self._stop.set()
+        with self._changing:
+            if self.state == "running":
+                self.state, self.message = "stopping", "stopping at the next step"
 
     def wait(self, seconds: float | int | None = None) -> bool:
         """Wait for the end; false if it has not come after so many seconds."""
@@ -111,7 +114,9 @@ class Improvement:
             design.usable,
         )
         self.steps = (*self.steps, step)
-        self.message = f"start {start} of {starts}, iteration {iteration}"
+        with self._changing:
+            if self.state == "running":
+                self.message = f"start {start} of {starts}, iteration {iteration}"
         self._tell()
 
     def _run(self) -> None:
@@ -120,16 +125,20 @@ class Improvement:
             problem = dataclasses.replace(self._problem, choices=())
             best = optimise(self._mechanism, problem=problem, watch=self._watch)
         except _Stopped:
-            self.state, self.message = "stopped", f"after {len(self.steps)} steps"
+            self._end_with("stopped", f"after {len(self.steps)} steps")
         except Exception as error:
             # A fault of the search must not end the page, which shows the message.
             words = short_heading(str(error)) or type(error).__name__
-            self.state, self.message = "failed", words
+            self._end_with("failed", words)
         else:
             if best.feasible:
                 self._end = dict(best.optimum.variables)
-            self.state, self.message = "finished", best.message
+            self._end_with("finished", best.message)
         self._tell()
+
+    def _end_with(self, state: State, message: str) -> None:
+        with self._changing:
+            self.state, self.message = state, message
 
     def _tell(self) -> None:
         if self._told is not None:

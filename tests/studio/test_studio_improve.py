@@ -87,6 +87,35 @@ def test_a_stopped_search_ends_and_the_page_lives(session, search):
         session.take_improvement()
 
 
+def test_a_search_that_ends_while_it_is_stopped_has_ended(session, search):
+    reached, go = threading.Event(), threading.Event()
+
+    def body(watch):
+        reached.set()
+        assert go.wait(10)
+        return SimpleNamespace(feasible=False, message="no design keeps all limits")
+
+    class Running(str):
+        """A state that lets the search end between its test and its change."""
+
+        __hash__ = str.__hash__
+
+        def __eq__(self, other):
+            if not go.is_set():
+                go.set()
+                job.wait(0.3)
+            return str.__eq__(self, other)
+
+    search(body)
+    job = Improvement(session.mechanism())
+    assert reached.wait(10)
+    job.state = Running("running")  # pyright: ignore[reportAttributeAccessIssue]
+    job.stop()
+    assert job.wait(10)
+    assert (job.state, job.running) == ("finished", False)
+    assert job.message == "no design keeps all limits"
+
+
 def test_without_a_table_there_is_no_search():
     with pytest.raises(prsm.PrsmError, match=r"has no \[optimise\] table"):
         Improvement(prsm.load("wu2022"))
