@@ -71,6 +71,9 @@ class CalibrationProblem(eqx.Module):
     quantities: tuple[str, ...] = eqx.field(static=True)
     #: Labels of all components, in the order of the quantities.
     components: tuple[str, ...] = eqx.field(static=True)
+    #: Quantities with several components that have a column without the number of one: until its
+    #: rows are paired, they count as the first component.
+    unnumbered: tuple[str, ...] = eqx.field(static=True)
     loss: str = eqx.field(static=True)
 
     def all_computed(
@@ -206,6 +209,7 @@ def calibration_problem(
 
     points, at = _points(data)
     rows = []
+    unnumbered: list[str] = []
     deviations = dict(standard_deviations or {})
     for name, column in data.values.items():
         values = np.asarray(column, float)
@@ -216,6 +220,8 @@ def calibration_problem(
             raise UnknownNameError(
                 f"{name}: the quantity has {'one component; give [1]' if count == 1 else many}"
             )
+        if number is None and count > 1:
+            unnumbered.append(quantity)
         scale = _scale(name, values, deviations)
         # A row without a component number is paired with a component later.
         component = first[quantity] + (0 if number is None else number - 1)
@@ -249,6 +255,7 @@ def calibration_problem(
         parameters=names,
         quantities=quantities,
         components=tuple(labels),
+        unnumbered=tuple(unnumbered),
         loss=loss,
     )
 

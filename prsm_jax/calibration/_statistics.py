@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
+from ..quantities import quantity_of
 from ._losses import influence
 from ._optimum import NO_INFLUENCE
 from ._problem import CalibrationProblem, solve_many
@@ -118,15 +119,24 @@ def repeat_fits(
 
     **Arguments:**
 
-    - `problem`: from `calibration_problem`; its measured values are not used.
+    - `problem`: from `calibration_problem`; its measured values are not used, so they are not
+      paired with components: give a column per component, such as `natural_frequencies[2]`.
     - `values`: true values of the parameters [SI].
     - `standard_deviation`: of the normal noise, over the scale of each row.
     - `repetitions`, `seed`: number of repetitions, and seed of the noise.
 
     **Returns:** values and limits of each repetition.
 
-    **Raises:** `ValueError` unless `values` has one number for each parameter.
+    **Raises:** `ValueError` unless `values` has one number for each parameter, and for a column of
+    several components without the number of one.
     """
+    if problem.unnumbered:
+        name = problem.unnumbered[0]
+        known = [one for one in problem.components if quantity_of(one).name == name]
+        raise ValueError(
+            f"{name} has {len(known)} components, and repeated fits do not pair values with them; "
+            f"give a column per component, from {known[0]} to {known[-1]}"
+        )
     true = jnp.asarray(values, problem.start.dtype)
     if true.shape != problem.start.shape:
         raise ValueError(

@@ -155,6 +155,23 @@ def test_coverage_counts_what_lies_within():
         repeat_fits(problem, [1.5], 0.01)
 
 
+def test_repeated_fits_want_the_number_of_each_mode():
+    """Frequencies of the modes 4, 7, 10 and 13: without their numbers all counted as mode 1."""
+    name, modes = "natural_frequencies", (4, 7, 10, 13)
+    true = np.asarray(prsm.compute(plain(), [name])[name])
+    parameter = "stage.screw.support.radial_stiffness"
+    together = Measurements.from_columns({name: true[[one - 1 for one in modes]]})
+    problem = calibration_problem(plain(), together, [parameter])
+    words = rf"{name} has {true.size} components, .* from {name}\[1\] to {name}\[{true.size}\]"
+    with pytest.raises(ValueError, match=words):
+        repeat_fits(problem, problem.start, 1e-6, repetitions=2)
+    # With a number for each, every row is computed as its own mode.
+    columns = {f"{name}[{one}]": true[[one - 1]] for one in modes}
+    problem = calibration_problem(plain(), Measurements.from_columns(columns), [parameter])
+    computed = problem.computed(problem.start)
+    np.testing.assert_allclose(computed, true[[one - 1 for one in modes]], rtol=1e-12)
+
+
 def test_coverage_is_that_of_the_fits_that_converged():
     nan = np.nan
     lower, upper = np.array([[1.0, 0.0], [nan, nan], [2.5, 0.0]]), np.array([[3.0] * 2] * 3)
