@@ -1,6 +1,7 @@
 """Profiles, duty cycles and measurements as CSV tables: header cells `name [unit]`, in and out."""
 
 import csv
+import dataclasses
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -80,17 +81,21 @@ def write_scenario(path: str | os.PathLike[str], scenario: Scenario | TorqueScen
     **Arguments:**
 
     - `path`: the file; it is complete or, if anything fails, as before.
-    - `scenario`: the scenario; its load does not depend on the motion of the nut.
+    - `scenario`: the scenario; its load does not depend on the motion of the nut. The state at the
+      start and `most_phases` have no place in the file, and must be those of the default;
+      `read_scenario` is given `samples`.
 
     **Returns:** the path.
 
-    **Raises:** `ValueError` for a load that depends on the motion.
+    **Raises:** `ValueError` for a load that depends on the motion, and for numbers that the file
+    cannot hold.
     """
     if depends_on_motion(scenario.load):
         raise ValueError(
             "the load depends on the motion of the nut, so it is no function of time; simulate the "
             "scenario and write the load of the run (export_result)"
         )
+    _refuse_lost(scenario)
     torque = isinstance(scenario, TorqueScenario)
     drive = scenario.torque if torque else scenario.speed
     functions = [one for one in (drive, scenario.load) if callable(one)]
@@ -109,6 +114,23 @@ def write_scenario(path: str | os.PathLike[str], scenario: Scenario | TorqueScen
 
     values = {"time": times, "torque" if torque else "speed": column(drive)}
     return _write(path, values | {"load": column(scenario.load)}, _units_of(_MOTION))
+
+
+def _refuse_lost(scenario: Scenario | TorqueScenario) -> None:
+    """Refuse numbers other than the default that a table over time does not hold."""
+    defaults = {one.name: one.default for one in dataclasses.fields(scenario)}
+    lost = [
+        f"{name} is {float(getattr(scenario, name)):g} in place of {float(default):g}"
+        for name, default in defaults.items()
+        if name.startswith("initial_") or name == "most_phases"
+        if float(getattr(scenario, name)) != default
+    ]
+    if lost:
+        raise ValueError(
+            f"{type(scenario).__name__}: {', '.join(lost)}, which a table over time cannot hold; "
+            "replace it by the default and set it after reading, or write the mechanism with its "
+            "scenario (prsm_jax.dump)"
+        )
 
 
 def read_duty_cycle(path: str | os.PathLike[str]) -> DutyCycle:

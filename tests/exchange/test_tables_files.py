@@ -81,6 +81,25 @@ def test_tables_come_back_exactly(tmp_path):
         assert float(_profile(again.load)(at)) == float(load(at))
 
 
+@pytest.mark.parametrize(
+    ("scenario", "lost"),
+    [
+        (prsm.Scenario(1.0, 5e3, 0.1, initial_position=0.01), "initial_position is 0.01 in place"),
+        (prsm.Scenario(1.0, 5e3, 0.1, initial_carrier_ratio=0.3), "initial_carrier_ratio is 0.3"),
+        (
+            prsm.TorqueScenario(1.0, 5e3, 0.1, initial_speed=50.0, initial_position=-0.02),
+            "initial_speed is 50 in place of 0, initial_position is -0.02 in place of 0, which",
+        ),
+        (prsm.TorqueScenario(1.0, 5e3, 0.1, most_phases=64), "most_phases is 64 in place of 32"),
+    ],
+)
+def test_a_state_at_the_start_is_not_lost_in_a_file(tmp_path, scenario, lost):
+    path = tmp_path / "scenario.csv"
+    with pytest.raises(ValueError, match=lost):
+        write_scenario(path, scenario)
+    assert not path.exists()
+
+
 def test_other_profiles_are_written_at_the_samples(tmp_path):
     torque = SineProfile(amplitude=3.0, frequency=2.0, mean=1.0)
     scenario = prsm.TorqueScenario(torque, 5e3, 0.5, samples=6)
