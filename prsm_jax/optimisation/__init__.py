@@ -2,8 +2,10 @@
 
 from ..mechanism import operating_range as operating_range
 from ._limits import (
+    LIMIT_ROOM as LIMIT_ROOM,
     LimitReading as LimitReading,
     limit_readings as limit_readings,
+    limit_scale as limit_scale,
     with_limits as with_limits,
 )
 from ._optimise import optimise as optimise

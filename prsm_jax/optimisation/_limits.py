@@ -23,7 +23,7 @@ from ._problem import robust
 
 #: A limit that is broken by less, relative to it, is kept: a search ends within 1e-6 of an active
 #: limit, its file changes constraints by up to 1e-6, and the studio takes variables of six digits.
-_ROOM = 1e-5
+LIMIT_ROOM = 1e-5
 #: What stands for a limit of 0 in this room, by SI unit: a nanometre and a hundredth per mm.
 _ZERO = {"m": 1e-3}
 #: Codes with which values can be used, each by itself.
@@ -182,6 +182,17 @@ def _readings_of(constraint: Constraint, points: list[_Point]) -> Iterator[Limit
                 yield min(every, key=_rank)
 
 
+def limit_scale(constraint: Constraint, unit: str) -> float:
+    """The magnitude [SI] to which the violation of a limit is relative.
+
+    As in a search, a lower and an upper limit have the scale of the larger one; a limit of 0 has
+    that of a typical value in its unit.
+    """
+    limits = (constraint.lower, constraint.upper, constraint.equal)
+    finite = [abs(one) for one in limits if one is not None and math.isfinite(one)]
+    return max(finite, default=0.0) or _ZERO.get(unit, 1.0)
+
+
 def _rank(one: LimitReading) -> tuple[int, float]:
     """Smaller for the more serious verdict, and of two equal ones for the smaller margin."""
     order = ("fail", "not evaluated", "pass").index(one.verdict)
@@ -193,11 +204,8 @@ def _reading(constraint: Constraint, side: str, label: str, point: _Point) -> Li
     limit, value = float(getattr(constraint, side)), point.values.get(label, math.nan)
     at_most, equal = side != "lower", side == "equal"
     distance = -abs(value - limit) if equal else limit - value if at_most else value - limit
-    # As in a search, a lower and an upper limit have the scale of the larger one.
-    limits = (constraint.lower, constraint.upper, constraint.equal)
-    scale = max(abs(one) for one in limits if one is not None and math.isfinite(one))
     # NaN, a value that does not exist, does not keep its limit.
-    verdict = "pass" if distance >= -_ROOM * (scale or _ZERO.get(unit, 1.0)) else "fail"
+    verdict = "pass" if distance >= -LIMIT_ROOM * limit_scale(constraint, unit) else "fail"
     return LimitReading(
         label,
         unit,

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..mechanism import Constraint, Mechanism
+from ..optimisation import LIMIT_ROOM, limit_scale
+from ..quantities import find_quantity
 from ..sweeps import block_size, sweep
 from ._problem import StudyProblem, check_single
 
@@ -28,8 +30,8 @@ class DriverMap:
       per per cent of the driver. NaN for a quantity that is 0.
     - `usable`: false where a design fails.
     - `error`: true where `check` finds an error.
-    - `violations`: largest violation of each limit, relative to it, by quantity; NaN where a
-      design fails.
+    - `violations`: largest violation of each limit, relative to the larger of a lower and an upper
+      one (for 0: to 1 mm, or 1 of another SI unit), by quantity; NaN where a design fails.
     """
 
     coordinates: dict[str, np.ndarray]
@@ -41,8 +43,8 @@ class DriverMap:
 
     @property
     def allowed(self) -> np.ndarray:
-        """Where a design satisfies all limits, to a millionth of each, and has no error."""
-        return self.within(1e-6)
+        """Where a design satisfies all limits, as `limit_readings` judges, and has no error."""
+        return self.within(LIMIT_ROOM)
 
     def within(self, tolerance: float) -> np.ndarray:
         """Where a design satisfies all limits up to a relative tolerance, and has no error."""
@@ -152,13 +154,14 @@ def _read(problem: StudyProblem, data: "xarray.Dataset") -> DriverMap:
 
 
 def _violation(limit: Constraint, value: np.ndarray, usable: np.ndarray) -> np.ndarray:
-    """Largest violation over the components of a quantity, relative to the limit."""
+    """Largest violation over the components of a quantity, relative to the scale of the limit."""
     sides: list[tuple[float | None, float]] = [(limit.lower, -1.0), (limit.upper, 1.0)]
     if limit.equal is not None:
         sides = [(limit.equal, -1.0), (limit.equal, 1.0)]
+    scale = limit_scale(limit, find_quantity(limit.quantity).unit)
     beyond: Any = np.zeros_like(value)
     for bound, sign in sides:
-        if bound is not None:
-            beyond = np.maximum(beyond, sign * (value - bound) / (abs(bound) or 1.0))
+        if bound is not None and np.isfinite(bound):
+            beyond = np.maximum(beyond, sign * (value - bound) / scale)
     parts = tuple(range(usable.ndim, value.ndim))
     return np.max(beyond, axis=parts) if parts else beyond

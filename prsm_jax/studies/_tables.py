@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..optimisation import LIMIT_ROOM
 from ..text import NOT_DEFINED, DisplayUnit, TextTable, display_unit, state_without_efficiency
 from ._gradients import words
 from ._parts import StudyParts
@@ -168,7 +169,7 @@ def _broken(study: StudyParts) -> tuple[str, ...]:
     broken = [
         f"breaks {name}"
         for name, violation in study.designs.violations.items()
-        if float(violation[0]) > 1e-6
+        if float(violation[0]) > LIMIT_ROOM
     ]
     if bool(study.designs.error[0]):
         broken.append("error of check")
@@ -247,7 +248,7 @@ def _judged(one: Variant) -> tuple[Any, ...]:
     broken = [
         f"{words(name)} by up to {100 * worst:.3g} %"
         for name, worst in one.violations.items()
-        if worst > 1e-6
+        if worst > LIMIT_ROOM
     ]
     return (
         words(one.name),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from prsm_jax.mechanism import Constraint
+from prsm_jax.optimisation import _limits
 from prsm_jax.studies import DriverMap
 from prsm_jax.studies._map import _violation
 
@@ -17,7 +18,7 @@ def _map(**changes):
         "elasticities": {},
         "usable": ~failed,
         "error": np.array([False, False, True, False, False, False]),
-        "violations": {"mass": np.array([0.0, np.nan, 0.0, 0.25, 0.9e-6, 1.1e-6])},
+        "violations": {"mass": np.array([0.0, np.nan, 0.0, 0.25, 0.9e-5, 1.1e-5])},
     }
     return DriverMap(**(given | changes))
 
@@ -43,16 +44,36 @@ def test_a_limit_without_a_value_is_not_satisfied():
     [
         ({"upper": 4.0}, [0.0, 0.0, 0.5, np.nan]),
         ({"lower": 4.0}, [0.5, 0.0, 0.0, np.nan]),
-        ({"lower": 2.5, "upper": 5.0}, [0.2, 0.0, 0.2, np.nan]),
+        ({"lower": 2.5, "upper": 5.0}, [0.1, 0.0, 0.2, np.nan]),
         ({"equal": 4.0}, [0.5, 0.0, 0.5, np.nan]),
-        # Relative to the size of the limit, or absolute where that is 0.
-        ({"lower": -4.0, "upper": 0.0}, [2.0, 4.0, 6.0, np.nan]),
+        # Relative to the size of the larger limit, or absolute where that is 0.
+        ({"lower": -4.0, "upper": 0.0}, [0.5, 1.0, 1.5, np.nan]),
+        ({"upper": 0.0}, [2.0, 4.0, 6.0, np.nan]),
+        ({"upper": 4.0, "lower": -np.inf}, [0.0, 0.0, 0.5, np.nan]),
     ],
 )
 def test_violations_are_relative_to_the_limit(limit, expected):
     values, usable = np.array([2.0, 4.0, 6.0, np.nan]), np.array([True, True, True, False])
     found = _violation(Constraint("mass", **limit), values, usable)
     np.testing.assert_allclose(found, expected, rtol=1e-15)
+
+
+def test_a_limit_of_0_is_judged_as_the_search_judges_it():
+    """A length to 1e-8 m, as `limit_readings` has it."""
+    limit, values = Constraint("roller_clearance", lower=0.0), np.array([-9e-9, -1.1e-8, -5e-7])
+    excess = _violation(limit, values, np.ones(3, bool))
+    np.testing.assert_allclose(excess, [9e-6, 1.1e-5, 5e-4], rtol=1e-12)
+    map_ = _map(
+        coordinates={"lead": np.ones(3)},
+        usable=np.ones(3, bool),
+        error=np.zeros(3, bool),
+        violations={"roller_clearance": excess},
+    )
+    assert map_.allowed.tolist() == [True, False, False]
+    point = _limits._Point
+    for value, kept in zip(values, map_.allowed, strict=True):
+        (one,) = _limits._readings_of(limit, [point(None, None, {limit.quantity: float(value)})])
+        assert (one.verdict == "pass") == kept
 
 
 def test_the_worst_component_counts():
