@@ -131,25 +131,15 @@ def write_text(path: Path, text: str) -> None:
         partial.write_text(text, encoding="utf-8")
 
 
-def save_tables(
-    folder: Path,
-    name: str,
-    results: Mapping[str, Any],
-    tables: Iterable[TextTable],
-    assumptions: Sequence[str] | None = None,
-) -> tuple[Path, ...]:
-    """Write results into the folder of `--out`: SI as NAME.json, tables as NAME.md."""
-    if assumptions is not None:
-        results = {**results, "assumptions": list(assumptions)}
-    make_folder(folder)
-    written = folder / f"{name}.json", folder / f"{name}.md"
-    write_text(written[0], _encoded(results))
-    parts = [table.markdown() for table in tables]
-    if assumptions:
-        lines = [f"* {markdown(sentence)}\n" for sentence in assumptions]
-        parts.append("Assumptions\n\n" + "".join(lines))
-    write_text(written[1], "\n".join(parts))
-    return written
+@dataclass(frozen=True)
+class Saved:
+    """What a verb saves in the folder of `--out`: its results as NAME.json, tables as NAME.md."""
+
+    #: Name of the two files, without ending.
+    name: str
+    tables: Iterable[TextTable]
+    #: Sentences below the tables.
+    sentences: Sequence[str] = ()
 
 
 def _encoded(results: Mapping[str, Any]) -> str:
@@ -162,12 +152,15 @@ def emit(
     text: Callable[[], str],
     assumptions: Sequence[str] | None = None,
     findings: Sequence[Finding] | None = None,
+    saved: Saved | None = None,
 ) -> bool:
     """Write results as JSON to a file or stdout (`--json`), or else as text to stdout.
 
     The text is made only if it is shown, because tables take time to import. The assumptions
     (`prsm_jax.assumptions`) are a key of the JSON and stand below the text. Each error of `check`
     is a line on stderr; a finding that makes the mechanism impossible makes the results invalid.
+    With `--out`, `saved` is written to that folder too: the JSON has the same keys as that of
+    `--json`, and the page says the same of findings and assumptions as the text.
 
     **Returns:** whether the results are valid: their own `valid` (default true), and no finding
     makes the mechanism impossible.
@@ -182,6 +175,15 @@ def emit(
             if finding.severity == "error":
                 where = f"{finding.name}, stage {finding.stage}"
                 print(f"prsm: error found by check: {where}: {finding.message}", file=sys.stderr)
+    if assumptions is not None:
+        results = {**results, "assumptions": list(assumptions)}
+    if saved is not None and output.out is not None:
+        page = output.out / f"{saved.name}.md"
+        written = page.with_suffix(".json"), page
+        results = {**results, "files": written}
+        make_folder(output.out)
+        write_text(written[0], _encoded(results))
+        write_text(page, _page(saved, assumptions or (), findings or ()))
     if output.json is None:
         words = text().rstrip()
         if findings:
@@ -191,8 +193,6 @@ def emit(
         clear()
         print(words)
         return valid
-    if assumptions is not None:
-        results = {**results, "assumptions": list(assumptions)}
     encoded = _encoded(results)
     clear()
     if output.json == "-":
@@ -202,17 +202,34 @@ def emit(
     return valid
 
 
-def _findings_text(findings: Sequence[Finding]) -> str:
-    """Names of errors and warnings as lines for a terminal."""
-    lines = []
+def _page(saved: Saved, assumptions: Sequence[str], findings: Sequence[Finding]) -> str:
+    """The saved tables as Markdown, with what the terminal says below them."""
+    parts = [table.markdown() for table in saved.tables]
+    parts += [markdown(sentence) + "\n" for sentence in (*saved.sentences, *_in_words(findings))]
+    if assumptions:
+        lines = [f"* {markdown(sentence)}\n" for sentence in assumptions]
+        parts.append("Assumptions\n\n" + "".join(lines))
+    return "\n".join(parts)
+
+
+def _in_words(findings: Sequence[Finding]) -> list[str]:
+    """Names of errors and warnings, and whether the mechanism is impossible, as sentences."""
+    sentences = []
     for severity in ("error", "warning"):
         names = collections.Counter(f.name for f in findings if f.severity == severity)
         if names:
             listed = ", ".join(f"{n} ({k})" if k > 1 else n for n, k in names.items())
-            words = f"prsm check finds {severity}s: {listed}"
-            lines += textwrap.wrap(words, 78, subsequent_indent="  ")
+            sentences.append(f"prsm check finds {severity}s: {listed}")
     if any(finding.impossible for finding in findings):
-        lines.append("Not valid: the mechanism cannot be built as drawn.")
+        sentences.append("Not valid: the mechanism cannot be built as drawn.")
+    return sentences
+
+
+def _findings_text(findings: Sequence[Finding]) -> str:
+    """Names of errors and warnings as lines for a terminal."""
+    lines: list[str] = []
+    for sentence in _in_words(findings):
+        lines += textwrap.wrap(sentence, 78, subsequent_indent="  ")
     return "\n" + "\n".join(lines) + "\n" if lines else ""
 
 

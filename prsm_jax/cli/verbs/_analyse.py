@@ -9,7 +9,7 @@ from ...mechanism import Mechanism, OperatingPoint
 from ...programs import beside
 from ...quantities import assumptions
 from .._app import app
-from .._common import STEADY, Common, checked, checked_numbers, emit, plain, save_tables
+from .._common import STEADY, Common, Saved, checked, checked_numbers, emit, plain
 from .._programs import run_stored
 from .._progress import doing, expect_programs
 from .._tables import Line, TextTable, in_units, prose, terminal_width
@@ -36,9 +36,7 @@ def check(file: str, *, common: Common = _DEFAULT) -> int:
         "findings": [{k: getattr(f, k) for k in keys} for f in findings],
         "errors": sum(f.severity == "error" for f in findings),
     }
-    if common.out is not None:
-        save_tables(common.out, "findings", results, [table], rests_on)
-    emit(common, results, text, rests_on)
+    emit(common, results, text, rests_on, saved=Saved("findings", [table]))
     return int(any(f.severity == "error" for f in findings))
 
 
@@ -62,9 +60,10 @@ _NO_CHECKS = (
 def strength(file: str, *, common: Common = _DEFAULT) -> int:
     """Safety, life, buckling, speed, play: value, limit, margin and verdict of each.
 
-    Exit status 1 if a check fails. --out writes the table as strength.json and strength.md. The
-    status is "no checks" where the file gives no limit. Limits of [optimise] are not part of it;
-    broken ones are listed.
+    Exit status 1 if a check fails or `prsm check` finds an error: the status is the worst of both.
+    --out writes the table as strength.json and strength.md. The status is "no checks" where the
+    file gives no limit and check finds nothing. Limits of [optimise] are not part of it; broken
+    ones are listed.
     """
     mechanism = common.load(file)
     limits = beside(_limits, mechanism)
@@ -76,14 +75,15 @@ def strength(file: str, *, common: Common = _DEFAULT) -> int:
     values = check_values(mechanism)
     checks = strength_checks_from(mechanism, numbers, values)
     findings, rests_on = check_from(mechanism, numbers), assumptions(mechanism, tuple(values))
-    status = status_of(checks, ())
+    status = status_of(checks, findings)
     limited = limits()
     results = {
         "checks": [one.to_dict() for one in checks],
         "status": status,
         "limits": [one.to_dict() for one in limited],
     }
-    shown = checks_table(f"Strength of {file}: {status}", checks, len(mechanism.stages))
+    headline = f"Strength of {file}: {status}"
+    shown = checks_table(headline, checks, len(mechanism.stages))
     table = TextTable(shown.caption, shown.head, shown.rows)
     unkept = [one for one in limited if one.verdict != "pass"]
     others: list[TextTable] = []
@@ -91,17 +91,20 @@ def strength(file: str, *, common: Common = _DEFAULT) -> int:
         words = f"{limits_in_words(limited)} The status above does not include them"
         shown = limits_table(words, unkept)
         others = [TextTable(shown.caption, shown.head, shown.rows)]
-    if common.out is not None:
-        save_tables(common.out, "strength", results, [table, *others], rests_on)
+    tables = [table] if table.rows else []
+    sentences = [] if table.rows or status == "no checks" else [headline]
+    if any(one.margin is not None for one in checks):
+        sentences.append(MARGINS_IN_WORDS)
+    if status_of(checks, ()) == "no checks":
+        sentences.append(_NO_CHECKS)
 
     def text() -> str:
-        words = table.text(terminal_width()) if table.rows else ""
-        if any(one.margin is not None for one in checks):
-            words += prose(MARGINS_IN_WORDS)
-        words += prose(_NO_CHECKS) if status == "no checks" else ""
+        words = "".join(one.text(terminal_width()) for one in tables)
+        words += "".join(map(prose, sentences))
         return words + "".join("\n" + one.text(terminal_width()) for one in others)
 
-    valid = emit(common, results, text, rests_on, findings)
+    saved = Saved("strength", [*tables, *others], sentences)
+    valid = emit(common, results, text, rests_on, findings, saved)
     return int(not valid or status == "fail")
 
 
@@ -176,18 +179,20 @@ def steady(file: str, *, common: Common = _DEFAULT) -> int:
         results = with_result_name(plain(steady_results(state, mechanism.operating_point)))
         tables = _steady_tables(file, mechanism, results)
         pictures = _steady_pictures(common.out, state) if results["valid"] else ()
-        written = save_tables(common.out, "steady", results, tables, rests_on)
-        results["pictures"], results["files"] = plain(pictures), plain(written)
+        results["pictures"] = plain(pictures)
+    sentences: list[str] = []
+    if results["result"] != "successful":
+        sentences.append(("" if results["valid"] else "Not valid: ") + results["result_message"])
 
     def text() -> str:
         words = "".join(table.text(terminal_width()) for table in tables)
-        if results["result"] != "successful":
-            words += prose(("" if results["valid"] else "Not valid: ") + results["result_message"])
+        words += "".join(map(prose, sentences))
         if common.out is not None:
             words += f"{len(pictures)} pictures, steady.json and steady.md in {common.out}\n"
         return words
 
-    return int(not emit(common, results, text, rests_on, checked(mechanism)))
+    saved = Saved("steady", tables, sentences)
+    return int(not emit(common, results, text, rests_on, checked(mechanism), saved))
 
 
 def _steady_pictures(folder: Path, state: SteadyState) -> tuple[Path, ...]:

@@ -5,7 +5,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from .._app import app
-from .._common import Common, emit, save_tables, words_of
+from .._common import Common, Saved, emit, words_of
 from .._progress import counted, doing
 from .._tables import prose, terminal_width
 
@@ -45,11 +45,10 @@ def explain(
     )
     results = explanation.to_dict()
     tables = explanation.tables(numbers)
-    if common.out is not None:
-        results["files"] = save_tables(common.out, "explain", results, tables)
 
     def text() -> str:
         words = "\n".join(table.text(terminal_width()) for table in tables)
         return words if numbers else words + "\n" + prose(_WITHOUT)
 
-    return int(not emit(common, results, text))
+    saved = Saved("explain", tables, () if numbers else (_WITHOUT,))
+    return int(not emit(common, results, text, saved=saved))

@@ -10,7 +10,7 @@ from ..._errors import PrsmError
 from ...process import make_folder
 from ...quantities import catalogue
 from .._app import app
-from .._common import Output, emit, save_tables, write_text
+from .._common import Output, Saved, emit, write_text
 from .._progress import doing
 from .._tables import TextTable, terminal_width
 
@@ -32,9 +32,8 @@ def quantities(*, output: Output = _DEFAULT) -> int:
     rows = [tuple(entry.values()) for entry in known]
     output.check_targets()
     table = TextTable("Quantities", ("name", "symbol", "SI unit", "description"), rows)
-    if output.out is not None:
-        save_tables(output.out, "quantities", {"quantities": known}, [table])
-    emit(output, {"quantities": known}, lambda: table.text(terminal_width()))
+    saved = Saved("quantities", [table])
+    emit(output, {"quantities": known}, lambda: table.text(terminal_width()), saved=saved)
     return 0
 
 

@@ -239,3 +239,53 @@ def test_a_failed_design_of_a_sweep_has_a_reason(prsm_json, tmp_path):
     )
     np.testing.assert_array_equal(data["code"], [0, names["overlapping_rollers"]])
     assert np.isnan(data["efficiency"][1])
+
+
+#: Verbs that save tables, with the name of their files.
+SAVED = {"strength": "strength", "steady": "steady"}
+
+
+@pytest.mark.parametrize("verb", SAVED)
+@pytest.mark.parametrize("count", ["10", "14"])
+def test_saved_pages_say_what_the_terminal_says(prsm, tmp_path, verb, count):
+    """14 rollers of 4 mm do not fit around a screw of 12 mm: 32 sin(π/14) < 8."""
+    impossible = 2 * (12 + 4) * np.sin(np.pi / int(count)) < 2 * 4
+    folder = tmp_path / "out"
+    words = (verb, "actuator", "--set", f"roller_count={count}", "--out", folder)
+    status, out, _ = prsm(*words)
+    assert status == int(impossible)
+    page = (folder / f"{SAVED[verb]}.md").read_text(encoding="utf-8").replace("\\", "")
+    for text in (" ".join(out.split()), page):
+        assert ("prsm check finds errors: roller_clearance" in text) == impossible
+        assert ("Not valid: the mechanism cannot be built as drawn." in text) == impossible
+        if verb == "strength":
+            assert ("Strength of actuator: fail" in text) == impossible
+    saved = json.loads((folder / f"{SAVED[verb]}.json").read_text(encoding="utf-8"))
+    _, out, _ = prsm(*words, "--json", "-")
+    assert saved == json.loads(out)
+    assert saved["valid"] is not impossible
+    assert ("roller_clearance" in saved["findings"]) == impossible
+    assert {Path(path).name for path in saved["files"]} == {
+        f"{SAVED[verb]}.json",
+        f"{SAVED[verb]}.md",
+    }
+
+
+def test_strength_report_and_findings_agree(prsm):
+    """The status of the report and of the studio is the worst of checks and findings."""
+    mechanism = file.apply_settings(scenes.example("actuator"), ["roller_count=14"])
+    expected = prsm_jax.findings.status_of(
+        prsm_jax.strength_checks(mechanism), prsm_jax.check(mechanism)
+    )
+    status, out, _ = prsm("strength", "actuator", "--set", "roller_count=14", "--json", "-")
+    assert (status, json.loads(out)["status"]) == (1, expected) == (1, "fail")
+
+
+def test_strength_without_limits_but_with_errors_has_a_headline(prsm, monkeypatch):
+    one = Finding("screw_speed", "error", 1, 2.0, 1.0, "too fast", False)
+    monkeypatch.setattr("prsm_jax.cli.verbs._analyse.check_from", lambda *_: (one,))
+    monkeypatch.setattr("prsm_jax.cli.verbs._analyse.strength_checks_from", lambda *_: ())
+    status, out, _ = prsm("strength", "wu2022")
+    assert status == 1
+    assert out.startswith("Strength of wu2022: fail\nNo checks: the file gives no limit.")
+    assert "prsm check finds errors: screw_speed" in out

@@ -11,7 +11,7 @@ from typing import Any
 from ...._errors import missing_extra
 from ...._version import __version__
 from ..._app import app
-from ..._common import Output, emit, save_tables
+from ..._common import Output, Saved, emit
 from ..._progress import doing
 from ..._tables import TextTable, prose, terminal_width
 from ._installed import Package, extras, required
@@ -45,15 +45,14 @@ def doctor(*, output: Output = _DEFAULT) -> int:
     results["cache"] = _cache(notes)
     results |= {"notes": notes, "problems": problems, "ok": not problems}
     tables = _tables(results)
-    if output.out is not None:
-        save_tables(output.out, "doctor", results, tables)
+    lines = [f"note: {one}" for one in notes] + [f"PROBLEM: {one}" for one in problems]
+    lines = lines or ["Everything is there."]
 
     def text() -> str:
         words = "\n".join(table.text(terminal_width()) for table in tables)
-        lines = [f"note: {one}" for one in notes] + [f"PROBLEM: {one}" for one in problems]
-        return words + "\n" + prose("\n".join(lines or ["Everything is there."]))
+        return words + "\n" + prose("\n".join(lines))
 
-    emit(output, results, text)
+    emit(output, results, text, saved=Saved("doctor", tables, lines))
     return int(bool(problems))
 
 
