@@ -241,6 +241,23 @@ def test_a_failed_design_of_a_sweep_has_a_reason(prsm_json, tmp_path):
     assert np.isnan(data["efficiency"][1])
 
 
+def test_an_export_of_an_impossible_mechanism_is_written_and_says_so(prsm, tmp_path):
+    """13 rollers of 4 mm around a screw of 12 mm overlap."""
+    words = ("export", "actuator", "--as", "toml", "--set", "roller_count=13", "--out", tmp_path)
+    status, out, err = prsm(*words)
+    assert status == 1
+    assert err.startswith("prsm: error found by check: roller_clearance, stage 1: 13 neighbouring")
+    assert len(err.splitlines()) == 1
+    assert out.splitlines()[0] == str(tmp_path / "actuator-export.toml")
+    assert "prsm check finds errors: roller_clearance" in out
+    assert file.load(tmp_path / "actuator-export.toml").stages[0].roller_count == 13
+    status, out, _ = prsm(*words, "--json", "-")
+    results = json.loads(out)
+    assert (status, results["valid"]) == (1, False)
+    assert "roller_clearance" in results["findings"]
+    assert prsm("export", "actuator", "--as", "toml", "--out", tmp_path)[0] == 0
+
+
 #: Verbs that save tables, with the name of their files.
 SAVED = {"strength": "strength", "steady": "steady"}
 

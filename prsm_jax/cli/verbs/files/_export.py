@@ -1,6 +1,7 @@
 """The verb export: drawings, workbooks, histories, FMUs and tables for other programs."""
 
 import dataclasses
+import difflib
 import functools
 import itertools
 from collections.abc import Callable
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from ...._errors import PrsmError, UnknownNameError, closest
+from ...._errors import PrsmError, UnknownNameError
 from ....dynamics import default_scenario, simulate, steady_state
 from ....mechanism import Mechanism
 from ....process import make_folder, placing_in, put_file, temporary_folder
@@ -18,7 +19,7 @@ from ....results import Result
 from ....scenario import depends_on_motion
 from ....text import TextTable
 from ..._app import app
-from ..._common import Common, emit, words_of
+from ..._common import Common, checked, emit, words_of
 from ..._progress import doing, expect_programs
 
 if TYPE_CHECKING:
@@ -153,13 +154,17 @@ _FORMATS: dict[str, Callable[[_Wanted], list[Path]]] = {
 }
 #: Formats that need an analysis; the others come first, since a refusal is then quick.
 _ANALYSED = ("xlsx", "mat", "nc", "csv")
+#: Likeness from which a format is suggested. Two of three letters, as of pdf and dxf, are less.
+_ALIKE = 0.7
 
 
 def _formats(text: str, result: str) -> list[str]:
     words = list(dict.fromkeys(words_of(text) or ()))
     for word in words:
         if word not in _FORMATS:
-            raise UnknownNameError(f"--as {word}: unknown format; {closest(word, _FORMATS)}")
+            near = difflib.get_close_matches(word, _FORMATS, n=1, cutoff=_ALIKE)
+            meant = f"did you mean {near[0]}? Known: " if near else "known: "
+            raise UnknownNameError(f"--as {word}: unknown format; {meant}{', '.join(_FORMATS)}")
     if not words:
         raise PrsmError(f"--as names no format; give some of {', '.join(_FORMATS)}")
     if result == "steady" and "csv" in words:
@@ -262,7 +267,8 @@ def export(
 
     With --scenario or --duty-cycle, recorded data take the place of those of the file; `--as toml`
     keeps them. Files are written to --out (default out/export) and named after the mechanism's.
-    With `--as step`, the masses of the solids are compared with those of the model.
+    With `--as step`, the masses of the solids are compared with those of the model. Of a mechanism
+    that cannot be built the files are written, with exit status 1.
     """
     formats = _formats(as_, result)
     common.check_targets(_FOLDER)
@@ -284,5 +290,4 @@ def export(
     if wanted.solids:
         results["solids"] = _masses_as_data(wanted.solids)
         lines += "\n\n" + _masses_as_text(wanted.solids).rstrip()
-    emit(common, results, lambda: lines)
-    return 0
+    return int(not emit(common, results, lambda: lines, findings=checked(mechanism)))
