@@ -26,6 +26,8 @@ _HATCHED: dict[str, Any] = {
     "linewidth": 0.0,
 }
 OUTSIDE = "outside of a limit"
+#: Points of a picture in which others are outside.
+WITHIN = "within all limits"
 
 
 def style_of(index: int) -> dict[str, Any]:

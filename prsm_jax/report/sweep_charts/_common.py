@@ -52,24 +52,26 @@ def mark(axes: Axes, x: np.ndarray, y: np.ndarray, failed: np.ndarray, errors: n
 def mark_best(
     axes: Axes, x: float, y: float, best: Best, unit: DisplayUnit, entries: list[Any]
 ) -> None:
-    """A star on the best design, or an entry of the legend if none is within all limits."""
+    """A star on the best design, or an entry of the legend that says why there is none."""
     if best.marked:
         style: dict[str, Any] = {"mfc": "#d55e00", "mec": "white", "mew": 0.8, "clip_on": False}
         words = f"{best.words}: {in_unit(best.value, unit)}"
         axes.plot(x, y, "*", ms=12, zorder=5, ls="", label=words, **style)
         return
-    words = "no design is within all limits"
-    if words not in [one.get_label() for one in entries]:
-        entries.append(legend_line(words, linestyle=""))
+    if best.words not in [one.get_label() for one in entries]:
+        entries.append(legend_line(best.words, linestyle=""))
 
 
-def sweep_legend(figure: Figure, more: Iterable[Any] = (), most: int = 4) -> None:
-    """A legend of all panels, each entry once, and `more` entries after them."""
+def sweep_legend(figure: Figure, more: Iterable[Any] = (), note: str = "", most: int = 4) -> None:
+    """A legend of all panels, each entry once, and `more` entries and a note after them."""
     by_label: dict[str, Any] = {}
     for axes in figure.axes:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             by_label.setdefault(label, handle)
-    legend_below(figure, [*by_label.values(), *more], most=most, fontsize=SMALL)
+    entries = [*by_label.values(), *more]
+    if note:
+        entries.append(legend_line(note, linestyle=""))
+    legend_below(figure, entries, most=most, fontsize=SMALL)
 
 
 def place_in_words(part: Any, names: Sequence[str], places: Iterable[int]) -> str:

@@ -117,14 +117,19 @@ def cut(limit: QuantityLimit, fixed: Mapping[str, int], like: Any) -> QuantityLi
 class Best(NamedTuple):
     """The best design: its place along each dimension, its value [SI], and a description.
 
-    If no design is within all limits, it is the best design outside of them. The planes of a map
-    then go through this design, but it is not `marked`.
+    If no design is within all limits, it is the best design outside of them; if all have an error
+    of `check`, the best of these. The planes of a map then go through this design, but it is not
+    `marked`, and the words say why.
     """
 
     place: tuple[int, ...]
     value: float
     words: str
     marked: bool
+
+
+#: Of a sweep in which `check` finds an error in every design that did not fail.
+_ALL_FLAWED = "no design without an error of prsm check"
 
 
 def best_design(
@@ -135,8 +140,6 @@ def best_design(
 ) -> Best:
     """The best of the designs that have a value, no error of `check`, and are within all limits.
 
-    If all have an error of `check`, they are not left out.
-
     **Arguments:**
 
     - `values`: [SI], NaN for designs that failed.
@@ -145,13 +148,19 @@ def best_design(
     - `sense`: whether the best is the largest or the smallest.
     """
     known = np.isfinite(values)
-    usable = known & ~flawed if (known & ~flawed).any() else known
+    within = known if outside is None else known & ~outside
     words = "largest" if sense == "maximise" else "smallest"
-    marked = True
-    if outside is not None:
-        marked = bool((usable & ~outside).any())
-        usable = usable & ~outside if marked else usable
-        words += " within all limits"
+    words += "" if outside is None else " within all limits"
+    usable = within & ~flawed
+    marked = bool(usable.any())
+    if not marked:
+        usable = known & ~flawed
+        if not usable.any():
+            usable, words = known, _ALL_FLAWED
+        elif within.any():
+            words = f"{_ALL_FLAWED} is within all limits"
+        else:
+            words = "no design is within all limits"
     pick = np.nanargmax if sense == "maximise" else np.nanargmin
     at = np.unravel_index(pick(np.where(usable, values, np.nan)), values.shape)
     place = tuple(int(i) for i in at)

@@ -1,14 +1,17 @@
 """A picture of one quantity of any sweep: lines, a map, slices, or points."""
 
 import math
+from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
 
+from ...mechanism import Constraint
 from .._style import Figure, drawn
-from ._limits import Constraints, constraints_in, limits_of
+from ._common import marks_of
+from ._limits import Constraints, best_design, constraints_in, limits_of, outside_of
 from ._sweep_lines import sweep_lines, sweep_points
-from ._sweep_map import sweep_map
+from ._sweep_map import map_with_note
 from ._sweep_slices import sweep_slices
 
 #: Largest number of designs in a picture; if there are more, every second, third, … is drawn.
@@ -37,8 +40,9 @@ def sweep_figure(
 
     Crosses mark designs that failed, on the lower edge where the picture has an axis of the
     quantity, and dots designs in which `check` finds an error. With more than 250,000 designs only
-    every second, third, … value of the longest axes is drawn; a picture of points has at most
-    4,000. Only the first 6 components are drawn.
+    every second, third, … value of the longest axes is drawn; a picture of points has 4,000 or
+    fewer. The best of all designs is among them, and the legend says how many of how many are
+    drawn. Only the first 6 components are drawn.
 
     With `constraints`, maps have a line where a quantity is at its limit, with ticks on the side
     outside, which is hatched. Over one axis the ranges outside are hatched; limits of the drawn
@@ -68,7 +72,14 @@ def sweep_figure(
     limited = constraints_in(dataset, constraints)
     names = [quantity, *(name for name in ("code", "error") if name in dataset)]
     names += [one.quantity for one in limited]
-    part = _thinned(dataset[list(dict.fromkeys(names))], designs)
+    part = dataset[list(dict.fromkeys(names))]
+    steps = _steps(part, designs)
+    note = ""
+    if max(steps.values()) > 1:
+        best = _place_of_best(part, quantity, limited, designs, sense)
+        part = part.isel({name: _kept(part.sizes[name], steps[name], best[name]) for name in steps})
+        few, many = (math.prod(one.sizes[name] for name in designs) for one in (part, dataset))
+        note = f"{few} of {many} designs drawn"
     part = part.isel({d: 0 for d in designs if d not in long_axes}).load()
     if designs != (_DESIGN,):
         # Axes may be given in any order; lines and contours need an ascending one.
@@ -79,16 +90,18 @@ def sweep_figure(
     if not np.isfinite(part[quantity].values).any():
         raise ValueError(f"no design of the picture has a {quantity!r}; every one failed")
     if designs == (_DESIGN,):
-        return sweep_points(part, quantity, limits, sense)
+        return sweep_points(part, quantity, limits, sense, note)
     if len(long_axes) == 1:
-        return sweep_lines(part, quantity, long_axes[0], limits, sense)
+        return sweep_lines(part, quantity, long_axes[0], limits, sense, note)
     if len(long_axes) == 2 and part.sizes["component"] == 1:
-        return sweep_map(part.isel(component=0), quantity, sense=sense, constraints=limited or None)
-    return sweep_slices(part, quantity, long_axes, limits, sense)
+        first = part.isel(component=0)
+        more: Any = {"sense": sense, "constraints": limited or None, "note": note}
+        return map_with_note(first, quantity, **more)
+    return sweep_slices(part, quantity, long_axes, limits, sense, note)
 
 
-def _thinned(dataset: Any, designs: tuple[str, ...]) -> Any:
-    """Every second, third, … value of the longest axes, so that few designs are left."""
+def _steps(dataset: Any, designs: tuple[str, ...]) -> dict[str, int]:
+    """By axis: which value is drawn, 1 for every one, so that few designs are left."""
     steps = dict.fromkeys(designs, 1)
     most = _POINTS if designs == (_DESIGN,) else _MOST
 
@@ -97,7 +110,31 @@ def _thinned(dataset: Any, designs: tuple[str, ...]) -> Any:
 
     while math.prod(map(length, designs)) > most:
         steps[max(designs, key=length)] += 1
-    return dataset.isel({name: slice(None, None, step) for name, step in steps.items()})
+    return steps
+
+
+def _kept(length: int, step: int, best: int) -> np.ndarray:
+    """Places of the drawn values along an axis: every second, third, … and that of the best."""
+    return np.union1d(np.arange(0, length, step), best)
+
+
+def _place_of_best(
+    dataset: Any,
+    quantity: str,
+    limited: Sequence[Constraint],
+    designs: tuple[str, ...],
+    sense: Literal["maximise", "minimise"],
+) -> dict[str, int]:
+    """Along each axis, the place of the best of all designs by the first component."""
+    data = dataset[quantity]
+    data = data.isel({d: 0 for d in data.dims if d not in designs}).transpose(*designs)
+    values = np.asarray(data.values, float)
+    if not np.isfinite(values).any():
+        raise ValueError(f"no design of the picture has a {quantity!r}; every one failed")
+    flags = dataset["code"].copy(data=marks_of(dataset)[1]).transpose(*designs)
+    limits = limits_of(dataset, limited, designs)
+    outside = outside_of(limits, data).values if limits else None
+    return dict(zip(designs, best_design(values, flags.values, outside, sense).place, strict=True))
 
 
 def _flat(data: Any, own: list[str]) -> Any:

@@ -9,6 +9,7 @@ from .._parts import in_words, page_title
 from .._style import SERIES, Figure, page_figure, readable
 from ._boundaries import (
     OUTSIDE,
+    WITHIN,
     crossings,
     draw_levels,
     draw_on_axis,
@@ -32,6 +33,7 @@ def sweep_lines(
     axis: str,
     limits: Sequence[QuantityLimit],
     sense: Literal["maximise", "minimise"],
+    note: str = "",
 ) -> Figure:
     """A line for each component of a quantity over one axis."""
     data = part[quantity]
@@ -64,7 +66,7 @@ def sweep_lines(
     axes.set_xlabel(label_of(axis, x_unit))
     axes.set_ylabel(in_words(readable(quantity), unit))
     axes.set_title(title_of(quantity))
-    sweep_legend(figure, entries, most=2 if limits else 4)
+    sweep_legend(figure, entries, note, most=2 if limits else 4)
     return figure
 
 
@@ -80,6 +82,7 @@ def sweep_points(
     quantity: str,
     limits: Sequence[QuantityLimit],
     sense: Literal["maximise", "minimise"],
+    note: str = "",
 ) -> Figure:
     """Points of a quantity against each axis of a list of designs."""
     data = part[quantity]
@@ -116,7 +119,10 @@ def sweep_points(
         for index, word in enumerate(words):
             style: dict[str, Any] = {"label": str(word)} if len(words) > 1 else {}
             style |= {"ls": "", "marker": "o", "ms": size, "color": SERIES[index % len(SERIES)]}
-            axes.plot(x[~outside], y[~outside, index], mew=0, **style)
+            inside = style | {"mew": 0}
+            if len(words) == 1 and outside.any() and not outside.all():
+                inside["label"] = WITHIN
+            axes.plot(x[~outside], y[~outside, index], **inside)
             if outside.any():
                 hollow = style | {"mfc": "white", "mew": 0.6, "label": OUTSIDE}
                 axes.plot(x[outside], y[outside, index], **hollow)
@@ -128,5 +134,5 @@ def sweep_points(
         if place % columns == 0:
             axes.set_ylabel(in_words(readable(quantity), unit))
     page_title(figure, title_of(quantity))
-    sweep_legend(figure, entries, most=2 if limits else 4)
+    sweep_legend(figure, entries, note, most=2 if limits else 4)
     return figure

@@ -34,7 +34,8 @@ def sweep_map(
     """Draw contours of a quantity over two axes of a sweep, with its optimum.
 
     Further axes are fixed at the optimum. Crosses mark designs that failed, dots those in which
-    `check` finds an error; the optimum is one of the others, if there are any.
+    `check` finds an error; the optimum is one of the others. Without others there is no star, and
+    the legend says so.
 
     With `constraints`, a line shows where a quantity is at its limit, with ticks on the side
     outside, which is hatched. The optimum is then the best design within all limits.
@@ -52,6 +53,20 @@ def sweep_map(
     **Raises:** `ValueError` for an unknown name, fewer than two axes, or when no design
     succeeded; `MissingExtraError` without matplotlib.
     """
+    return map_with_note(dataset, quantity, x, y, sense=sense, constraints=constraints)
+
+
+def map_with_note(
+    dataset: Any,
+    quantity: str,
+    x: str | None = None,
+    y: str | None = None,
+    *,
+    sense: Literal["maximise", "minimise"],
+    constraints: Constraints,
+    note: str = "",
+) -> Figure:
+    """A map as `sweep_map`, with a note at the end of its legend."""
     if quantity not in dataset:
         raise ValueError(f"the sweep has no {quantity!r}; it has {', '.join(dataset.data_vars)}")
     limited = constraints_in(dataset, constraints)
@@ -78,7 +93,8 @@ def sweep_map(
     shown = {d: i for d, i in fixed.items() if data.sizes[d] > 1}
     words = f"at {place_in_words(dataset, list(shown), shown.values())}" if shown else ""
     at = best.place[dims.index(chosen[0])], best.place[dims.index(chosen[1])]
-    return _draw(plane, dots.values, at, best, words, [cut(one, fixed, plane) for one in limits])
+    cuts = [cut(one, fixed, plane) for one in limits]
+    return _draw(plane, dots.values, at, best, words, cuts, note)
 
 
 def _flawed(dataset: Any, data: Any) -> Any:
@@ -96,6 +112,7 @@ def _draw(
     best: Best,
     where: str,
     limits: Sequence[QuantityLimit],
+    note: str,
 ) -> Figure:
     values, quantity = np.asarray(plane.values, dtype=float), str(plane.name)
     finite = values[np.isfinite(values)]
@@ -133,7 +150,7 @@ def _draw(
     axes.set_xlabel(label_of(x_name, x_unit))
     axes.set_ylabel(label_of(y_name, y_unit))
     axes.set_title(title_of(quantity))
-    sweep_legend(figure, entries, most=2 if limits else 3)
+    sweep_legend(figure, entries, note, most=2 if limits else 3)
     if where:
         axes.text(1.0, 1.02, where, transform=axes.transAxes, ha="right", fontsize=SMALL)
     return figure

@@ -30,6 +30,7 @@ def sweep_slices(
     axes_names: list[str],
     limits: Sequence[QuantityLimit],
     sense: Literal["maximise", "minimise"],
+    note: str = "",
 ) -> Figure:
     """Maps of the first two axes: a panel for each component, or for values of the third axis."""
     x_name, y_name, *others = axes_names
@@ -102,7 +103,7 @@ def sweep_slices(
     fixed = place_in_words(part, others[1:] if alike else others, behind[1:] if alike else behind)
     heading = title_of(quantity) if alike else f"{title_of(quantity)} in {unit.label}"
     page_title(figure, f"{heading}, at {fixed}" if fixed else heading)
-    sweep_legend(figure, entries, most=2 if limits else 4)
+    sweep_legend(figure, entries, note, most=2 if limits else 4)
     return figure
 
 

@@ -343,7 +343,7 @@ def test_sweeps_over_three_axes():
 
 
 def test_sweeps_of_many_designs_are_thinned():
-    """Every third lead and every third angle; the values stay with their designs."""
+    """Every third lead and every third angle, and the last ones, which are those of the best."""
     import xarray
 
     lead, angle = np.linspace(5e-3, 20e-3, 1200), np.linspace(0.6, 1.0, 1300)
@@ -353,8 +353,12 @@ def test_sweeps_of_many_designs_are_thinned():
         {"lead": ("lead", lead, {"units": "m"}), "contact_angle": ("contact_angle", angle)},
     )
     data["code"] = (("lead", "contact_angle"), np.zeros(values.shape, np.int8))
-    star = Chart(sweep_figure(data, "mass")).axes[0].lines[-1]
-    np.testing.assert_allclose(x_data(star), [1e3 * lead[1197]])
+    chart = Chart(sweep_figure(data, "mass"))
+    star = chart.axes[0].lines[-1]
+    np.testing.assert_allclose(x_data(star), [1e3 * lead[1199]])
+    chart.says("largest: ", (lead[-1] * angle[-1], "kg"))
+    # Places 0, 3, … 1197 and 1199; 0, 3, … 1299, the last of which is that of the best.
+    assert handles(chart.figure)[-1] == f"{401 * 434} of {1200 * 1300} designs drawn"
 
 
 @reads("chart", "life_chart")

@@ -240,19 +240,24 @@ def test_lines_of_the_quantity_itself():
     assert handles(chart.figure)[-1] == "max pressure ≤ 2000000\u202fMPa (all within)"
 
 
-def test_a_list_of_designs():
-    """Designs outside are hollow; the star is on the best of the others in each panel."""
+def _list(lead, angle):
+    """A list of designs."""
     import xarray
 
-    lead, angle = np.random.default_rng(8).uniform([5e-3, 0.5], [20e-3, 1.0], (60, 2)).T
     values = _values(lead, angle)
-    data = xarray.Dataset(
+    return xarray.Dataset(
         {name: ("design", one, {"units": _UNITS[name]}) for name, one in values.items()},
         {
             "lead": ("design", lead, {"units": "m"}),
             "contact_angle": ("design", angle, {"units": "rad"}),
         },
-    ).assign(code=("design", np.zeros(60, np.int8)))
+    ).assign(code=("design", np.zeros(len(lead), np.int8)))
+
+
+def test_a_list_of_designs():
+    """Designs outside are hollow; the star is on the best of the others in each panel."""
+    lead, angle = np.random.default_rng(8).uniform([5e-3, 0.5], [20e-3, 1.0], (60, 2)).T
+    values, data = _values(lead, angle), _list(lead, angle)
     outside = _is_outside(lead, angle)
     assert 5 < outside.sum() < 55
     best = np.argmax(np.where(outside, -1, values["efficiency"]))
@@ -266,6 +271,58 @@ def test_a_list_of_designs():
             np.testing.assert_allclose(to_si(y_data(line), "%"), values["efficiency"][which])
     chart.says("max pressure ≤ ", (2e9, "Pa"))
     chart.says("mass ≥ ", (1.1, "kg"))
+    # Filled points have an entry as hollow ones have.
+    assert {"within all limits", "outside of a limit"} <= set(handles(chart.figure))
+
+
+def test_the_best_of_a_long_list_is_drawn():
+    """4000 of 20000 designs are drawn, and the best of all, which is none of these."""
+    lead, angle = np.random.default_rng(0).uniform([5e-3, 0.5], [20e-3, 1.0], (20000, 2)).T
+    values = _values(lead, angle)
+    best = int(np.argmax(np.where(_is_outside(lead, angle), -1, values["efficiency"])))
+    assert best % 5 != 0
+    chart = Chart(sweep_figure(_list(lead, angle), "efficiency", constraints=LIMITS))
+    full, hollow, star = chart.lines(chart.axes[0])
+    np.testing.assert_allclose(chart.si(chart.axes[0], "x", x_data(star), "m"), lead[best])
+    np.testing.assert_allclose(to_si(y_data(star), "%"), values["efficiency"][best])
+    chart.says("largest within all limits: ", (values["efficiency"][best], "1"))
+    assert len(x_data(full)) + len(x_data(hollow)) == 4001
+    assert np.isclose(y_data(full), y_data(star)[0], rtol=1e-12).any()
+    assert handles(chart.figure)[-1] == "4001 of 20000 designs drawn"
+    few = Chart(sweep_figure(_list(lead[:4000], angle[:4000]), "efficiency"))
+    assert not any("designs drawn" in words for words in handles(few.figure))
+
+
+def _flawed(data, where):
+    codes = np.where(where, np.full(data["code"].shape, 2, np.int8), np.int8(0))
+    return data.assign(error=(data["code"].dims, codes))
+
+
+@pytest.mark.parametrize("limits", [None, LIMITS], ids=["free", "limited"])
+@pytest.mark.parametrize("kind", ["map", "points", "slices"])
+def test_of_designs_that_all_have_errors_none_is_the_best(kind, limits):
+    if kind == "slices":
+        axes = {"lead": (LEAD, "m"), "contact_angle": (ANGLE, "rad"), "load": (LEAD, "m")}
+        data = _dataset(axes, *np.meshgrid(LEAD, ANGLE, LEAD, indexing="ij")[:2])
+    elif kind == "map":
+        data = _grid()
+    else:
+        data = _list(*np.random.default_rng(8).uniform([5e-3, 0.5], [20e-3, 1.0], (60, 2)).T)
+    if kind == "points" and limits is None:
+        pytest.skip("without limits no point is marked")
+    chart = Chart(sweep_figure(_flawed(data, True), "efficiency", constraints=limits))
+    assert not [line for axes in chart.axes for line in axes.lines if line.get_marker() == "*"]
+    assert handles(chart.figure)[-1] == "no design without an error of prsm check"
+
+
+def test_designs_without_errors_that_are_all_outside():
+    """Those within all limits have errors, and the legend does not say that there are none."""
+    data = _grid()
+    outside = _is_outside(*np.meshgrid(LEAD, ANGLE, indexing="ij"))
+    chart = Chart(sweep_map(_flawed(data, ~outside), "efficiency", constraints=LIMITS))
+    assert not [line for line in chart.axes[0].lines if line.get_marker() == "*"]
+    words = "no design without an error of prsm check is within all limits"
+    assert handles(chart.figure)[-1] == words
 
 
 def test_the_component_furthest_beyond_its_limit_counts():
