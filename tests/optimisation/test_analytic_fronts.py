@@ -143,11 +143,46 @@ def test_no_feasible_design_is_a_report(bowls):
     )
     assert front.points == ()
     assert not front.converged
-    assert "violates first_number" in front.message
+    # The least of the box is 4.
+    words = "the design of least violation has first_number = 4 against a limit of 3"
+    assert front.message == f"no feasible design found; {words}"
+    nearest = front.least_violation
+    assert nearest is not None
+    assert nearest.variables["lead"] == pytest.approx(4e-3, rel=1e-9)
+    (broken,) = nearest.to_dict()["broken"]
+    assert broken == {
+        "name": "first_number",
+        "unit": "1",
+        "value": pytest.approx(4.0, rel=1e-9),
+        "limit": 3.0,
+    }
+    lines = str(front).splitlines()
+    assert lines[0] == f"NO FEASIBLE DESIGN: {front.message}"
+    rows = [line.split("  ")[0] for line in lines]
+    assert rows.index("least violation") < rows.index("start")
+    assert front.to_dict()["least_violation"] == nearest.to_dict()
     assert front.hypervolume == 0
     assert {one.status for one in front.dropped} == {"infeasible"}
     json.dumps(front.to_dict(), allow_nan=False)
     str(front)
+
+
+def test_the_start_says_which_limits_it_breaks(bowls):
+    """A lead of 10 mm against at most 9 mm; no margin of `check` depends on the box."""
+    front = pareto(
+        prsm.set_parameter(scenes.frictionless(), "lead", 10e-3),
+        {"bowl_a": "minimise", "bowl_b": "minimise"},
+        BOX,
+        {"first_number": (None, 9.0), "bowl_c": (None, 1e3)},
+        points=3,
+    )
+    assert front.points, str(front)
+    (broken,) = front.start.broken
+    assert (broken.name, broken.limit) == ("first_number", 9.0)
+    assert broken.value == pytest.approx(10.0, rel=1e-12)
+    assert "present design, breaks first_number" in str(front)
+    assert front.least_violation is None
+    assert all(one.broken == () and one.breaks == "" for one in front.points)
 
 
 def test_the_result_is_plain_and_gives_mechanisms(bowls):

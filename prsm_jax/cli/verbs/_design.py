@@ -141,7 +141,7 @@ def pareto(
     The objectives are those of --maximise and --minimise, or else the file's
     [[optimise.objective]] rows. Errors of `prsm check` are constraints, too. With --out pictures
     are written: the objectives, and the designs across all variables and objectives. Exit status 1
-    if a point does not satisfy the optimality conditions.
+    if no feasible design is found, or a point does not satisfy the optimality conditions.
     """
     mechanism = common.load(file)
     expect_programs("compiled_derivatives")
@@ -159,11 +159,18 @@ def pareto(
         progress=lambda done, total: counted(done, total, "searches"),
         avoid_warnings=avoid_warnings or None,
     )
-    if common.out is not None and front.points:
-        from ...report import front_chart, parallel_chart, save_figures
+    results = front.to_dict() | {"valid": bool(front.points)}
+    missing = ""
+    if common.out is not None:
+        results["pictures"] = []
+        if front.points:
+            from ...report import front_chart, parallel_chart, save_figures
 
-        pictures = {"front": front_chart(front), "front-parallel": parallel_chart(front)}
-        save_figures(common.out, pictures)
+            pictures = {"front": front_chart(front), "front-parallel": parallel_chart(front)}
+            results["pictures"] = save_figures(common.out, pictures)
+        else:
+            reason = "without a feasible design there is no picture"
+            missing = "\n\n" + nothing_written(common.out / "front.png", reason, common)
     terms = (*front.objectives, *front.problem.constraints)
     findings = checked(mechanism)
     if front.points:
@@ -171,8 +178,8 @@ def pareto(
         findings = tuple(one for one in findings if one.severity != "error")
     valid = emit(
         common,
-        front.to_dict(),
-        lambda: front.text(terminal_width()),
+        results,
+        lambda: front.text(terminal_width()) + missing,
         assumptions(mechanism, [term.quantity for term in terms]),
         findings,
     )

@@ -1,6 +1,7 @@
 """The front of several objectives: points, their active limits, and the dominated volume."""
 
 import math
+import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 from ...mechanism import DesignProblem, Mechanism, Objective, set_parameters
 from ...results import Shown
 from ...text import TextTable, display_unit, state_without_efficiency
+from ..results import ConstraintReport
 from ._dominance import hypervolume
 
 
@@ -36,6 +38,17 @@ class FrontPoint:
     #: `"optimal"`, `"not converged"`, `"infeasible"`, `"dominated"` or `"repeated"`.
     status: str
     message: str = ""
+    #: Constraints and margins that the design breaks, with value and limit [SI].
+    broken: tuple[ConstraintReport, ...] = ()
+
+    @property
+    def breaks(self) -> str:
+        """The limits that it breaks, in words; those of findings begin with "check"."""
+        names = [
+            one.name if one.name in self.constraints else f"check: {one.name}"
+            for one in self.broken
+        ]
+        return f"breaks {', '.join(names)}" if names else ""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers for JSON; `None` where one is not finite."""
@@ -53,6 +66,15 @@ class FrontPoint:
             "violation": _plain(self.violation),
             "status": self.status,
             "message": self.message,
+            "broken": [
+                {
+                    "name": one.name,
+                    "unit": one.unit,
+                    "value": _plain(one.value),
+                    "limit": _plain(one.limit),
+                }
+                for one in self.broken
+            ],
         }
 
 
@@ -104,6 +126,12 @@ class ParetoFront(Shown):
         )
 
     @property
+    def least_violation(self) -> FrontPoint | None:
+        """Where no design found is feasible, the one that breaks its limits least."""
+        found = [one for one in self.dropped if one.broken] if not self.points else []
+        return min(found, key=lambda one: one.violation, default=None)
+
+    @property
     def values(self) -> np.ndarray:
         """Objectives of the points [SI], points × objectives."""
         rows = [list(one.objectives.values()) for one in self.points]
@@ -138,6 +166,7 @@ class ParetoFront(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers for JSON; `None` where one is not finite."""
+        nearest = self.least_violation
         return {
             "objectives": [
                 {"quantity": one.quantity, "sense": one.sense} for one in self.objectives
@@ -145,6 +174,7 @@ class ParetoFront(Shown):
             "points": [one.to_dict() for one in self.points],
             "start": self.start.to_dict(),
             "dropped": [one.to_dict() for one in self.dropped],
+            "least_violation": None if nearest is None else nearest.to_dict(),
             "hypervolume": _plain(self.hypervolume),
             "hypervolume_reference": {k: _plain(v) for k, v in self.reference.items()},
             "ideal": {k: _plain(v) for k, v in self.ideal.items()},
@@ -157,10 +187,17 @@ class ParetoFront(Shown):
         }
 
     def to_table(self) -> TextTable:
-        """The points in an engineer's units, a row each; the present design first."""
-        designs = [self.start, *self.points]
+        """The points in an engineer's units, a row each; the present design first.
+
+        Without points it follows the design of least violation.
+        """
+        nearest = self.least_violation
+        first = {"start": self.start}
+        if nearest is not None:
+            first = {"least violation": nearest, **first}
+        designs = [*first.values(), *self.points]
         columns: list[str] = [""]
-        cells: list[list[Any]] = [["start", *(str(i + 1) for i in range(len(self.points)))]]
+        cells: list[list[Any]] = [[*first, *(str(i + 1) for i in range(len(self.points)))]]
         groups = (
             ("objectives", self.objective_units),
             ("variables", self.variable_units),
@@ -175,23 +212,30 @@ class ParetoFront(Shown):
                 columns.append(f"{words} [{shown.label}]" if shown.label else words)
                 cells.append([state_without_efficiency(quantity, v) or shown(v) for v in values])
         columns += ["KKT residual", "status"]
-        cells.append([float("nan"), *(one.kkt_residual for one in self.points)])
-        cells.append([self.start.status, *(one.status for one in self.points)])
+        cells.append([one.kkt_residual for one in designs])
+        cells.append([", ".join(filter(None, (one.status, one.breaks))) for one in designs])
         return TextTable("", columns, list(zip(*cells, strict=True)))
 
     def text(self, width: int | None = None) -> str:
         """The points as a table in an engineer's units, and the verdict.
 
+        If no feasible design was found, the first line says so.
+
         **Arguments:**
 
         - `width`: number of characters in a line; default as many as the table needs.
         """
+        cost = f"{self.evaluations} evaluations of values, {self.derivative_evaluations} of derivatives"
+        table = self.to_table().text(width)
+        if not self.points:
+            first = f"NO FEASIBLE DESIGN: {self.message}"
+            lines = [first] if width is None else textwrap.wrap(first, width)
+            return "\n".join([*lines, *([table] if self.least_violation else []), cost])
         return "\n".join(
             [
-                self.to_table().text(width),
+                table,
                 f"{'converged' if self.converged else 'NOT CONVERGED'}: {self.message}",
-                f"{len(self.points)} points; {self.evaluations} evaluations of values, "
-                f"{self.derivative_evaluations} of derivatives; the front dominates "
+                f"{len(self.points)} points; {cost}; the front dominates "
                 f"{100 * self.hypervolume:.4g} % of the box up to its reference point",
             ]
         )

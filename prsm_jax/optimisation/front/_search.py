@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ...mechanism import DesignProblem
+from ..results import against_limit, constraint_reports
 from ..search import Evaluator
 from ._dominance import non_dominated
 from ._lattice import divisions, neighbours, reference
@@ -125,13 +126,14 @@ class FrontSearch:
             return f"no feasible design found: none of the variables changes the error {fixed}"
         if not ends:
             return "no feasible design found: every search ended at designs that fail"
-        nearest = min(ends, key=lambda one: one.conditions.violation).point
-        values, (lower, upper) = evaluator.constraint_values(nearest), evaluator.scaled_limits
-        broken = np.maximum(lower - values, values - upper) > self.tolerance
-        names = [name for name, out in zip(evaluator.rows.names, broken, strict=True) if out]
-        return (
-            f"no feasible design found; the design of least violation violates {', '.join(names)}"
+        nearest = min((one.point for one in ends), key=evaluator.violation)
+        rows = constraint_reports(evaluator, 1.0, nearest, None, self.tolerance)
+        broken = "; ".join(
+            against_limit(row.name, row.unit, row.value, row.limit)
+            for row in rows
+            if not row.satisfied
         )
+        return f"no feasible design found; the design of least violation has {broken}"
 
     def _scale_from(self, position: np.ndarray) -> None:
         """Typical magnitudes of the objectives, until their ranges are known."""

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...mechanism import DesignProblem, Mechanism, find_parameters
 from ...quantities import find_quantity
-from ..results import Optimality, Reporter
+from ..results import ConstraintReport, Optimality, Reporter, constraint_reports
 from ..search import Evaluator, Point
 from ._dominance import hypervolume, non_dominated
 from ._result import FrontPoint, ParetoFront, senses
@@ -24,7 +24,7 @@ def front_of(
     initial: np.ndarray,
 ) -> ParetoFront:
     """The complete result: points, dropped designs, the volume, and the verdict in words."""
-    words = _Words(evaluator, report, problem)
+    words = _Words(evaluator, report, problem, search.tolerance)
     ends = sorted(search.ends, key=lambda one: tuple(one.objectives))
     statuses = _statuses(ends, search)
     points = [
@@ -106,8 +106,10 @@ def _message(points: list[FrontPoint], search: FrontSearch) -> str:
 class _Words:
     """Designs in SI units with names."""
 
-    def __init__(self, evaluator: Evaluator, report: Reporter, problem: DesignProblem):
-        self._evaluator, self._report = evaluator, report
+    def __init__(
+        self, evaluator: Evaluator, report: Reporter, problem: DesignProblem, tolerance: float
+    ):
+        self._evaluator, self._report, self._tolerance = evaluator, report, tolerance
         self._terms = problem.objectives
         self._objectives = [one.quantity for one in problem.objectives]
         self._variables = [one.name for one in problem.variables]
@@ -117,6 +119,14 @@ class _Words:
         return {
             name: float(mean[mean != 0] @ point.values[mean != 0]) for name, mean in means.items()
         }
+
+    def _broken(self, point: Point) -> tuple[ConstraintReport, ...]:
+        """Constraints and margins that a usable design breaks."""
+        if not point.good:
+            return ()
+        sign = self._report.sign
+        rows = constraint_reports(self._evaluator, sign, point, None, self._tolerance)
+        return tuple(row for row in rows if not row.satisfied)
 
     def start(self, point: Point) -> FrontPoint:
         """The present design, for which no search has checked the optimality."""
@@ -131,6 +141,7 @@ class _Words:
             kkt_residual=float("nan"),
             violation=violation,
             status="present design" if point.good else "fails",
+            broken=self._broken(point),
         )
 
     def point(self, one: Solved, status: str) -> FrontPoint:
@@ -147,6 +158,7 @@ class _Words:
             violation=report.violation(one.point),
             status=status,
             message=one.message,
+            broken=self._broken(one.point),
         )
 
     def _active(self, conditions: Optimality) -> tuple[str, ...]:

@@ -12,8 +12,10 @@ from ._optimum import (
     Run as Run,
     Trial as Trial,
 )
+from ._printing import against_limit as against_limit
 from ._reporting import (
     Reporter as Reporter,
+    constraint_reports as constraint_reports,
     optimum_of as optimum_of,
     run_report as run_report,
 )

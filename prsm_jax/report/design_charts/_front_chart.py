@@ -1,6 +1,7 @@
 """A front: the objectives of its points against each other, and those of the present design."""
 
 import itertools
+import textwrap
 
 import numpy as np
 
@@ -9,12 +10,23 @@ from ...text import display_unit
 from .._parts import in_words, legend_below
 from .._style import INK, SERIES, Figure, drawn, page_figure, readable
 
+#: Characters in a line of the legend.
+_LINE = 70
+
+
+def present_in_words(front: ParetoFront) -> str:
+    """The present design and the limits that it breaks, for a legend."""
+    breaks = front.start.breaks
+    words = f"present design, {readable(breaks)}" if breaks else "present design"
+    return textwrap.fill(words, _LINE)
+
 
 @drawn
 def front_chart(front: ParetoFront) -> Figure:
     """Draw the points of a front: one picture for two objectives, three projections for three.
 
-    Points that did not converge are hollow. The present design is a square, where it is usable.
+    Points that did not converge are hollow. The present design is a square, where it is usable;
+    the legend names the limits that it breaks.
 
     **Arguments:**
 
@@ -55,7 +67,7 @@ def front_chart(front: ParetoFront) -> Figure:
                 ms=5.0,
                 mfc="white",
                 mec=INK,
-                label="present design",
+                label=present_in_words(front),
             )
         axes.set_xlabel(f"{in_words(readable(x), shown[x])} ({senses[x]})")
         axes.set_ylabel(f"{in_words(readable(y), shown[y])} ({senses[y]})")

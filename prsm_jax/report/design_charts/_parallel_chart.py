@@ -10,6 +10,7 @@ from ...optimisation import FrontPoint, ParetoFront
 from ...text import DisplayUnit, display_unit
 from .._parts import colour_bar, in_words, legend_below, legend_line
 from .._style import INK, MUTED, Figure, drawn, page_figure, readable
+from ._front_chart import present_in_words
 
 #: Room for the words below all axes, in letters, and the most and fewest letters in a line.
 _ROOM, _LETTERS, _FEWEST = 84, 16, 9
@@ -22,7 +23,7 @@ def parallel_chart(front: ParetoFront) -> Figure:
 
     Each axis has its own scale, over the designs that are drawn. Lines are coloured by the first
     objective. Designs that did not converge are dotted. The present design is dashed, where it is
-    usable.
+    usable; the legend names the limits that it breaks.
 
     **Arguments:**
 
@@ -69,7 +70,7 @@ def parallel_chart(front: ParetoFront) -> Figure:
         height = (shown[-1] - low) / (high - low)
         style: dict[str, Any] = {"color": INK, "linestyle": "--", "linewidth": 1.4}
         axes.plot(range(len(columns)), height, zorder=4, **style)
-        entries.append(legend_line("present design", **style))
+        entries.append(legend_line(present_in_words(front), **style))
     axes.set_title(f"{len(front.points)} designs of the front")
     legend_below(figure, entries)
     return figure

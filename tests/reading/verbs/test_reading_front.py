@@ -1,6 +1,7 @@
 """The front of several objectives: its picture, the JSON of its verb, and the printed table."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
@@ -11,9 +12,11 @@ from reading_figures import Chart, handles
 from reading_tables import assert_json, column_unit, without_words
 from reading_units import label_unit, same_dimension, to_si
 
+from prsm_jax.cli import main
 from prsm_jax.mechanism import DesignProblem, Objective, Variable
-from prsm_jax.optimisation import FrontPoint, ParetoFront
+from prsm_jax.optimisation import ConstraintReport, FrontPoint, ParetoFront
 from prsm_jax.report import front_chart, parallel_chart
+from tests.compilation_cache import cache_folder
 
 
 def _made(*senses: tuple[str, str, str, tuple[float, ...]]):
@@ -68,6 +71,14 @@ def _made(*senses: tuple[str, str, str, tuple[float, ...]]):
 EFFICIENCY = ("efficiency", "1", "maximise", (0.841, 0.862, 0.853, 0.847))
 DIAMETER = ("nut_outer_diameter", "m", "minimise", (0.0611, 0.0582, 0.0563, 0.0541))
 MASS = ("mass", "kg", "minimise", (1.61, 1.52, 1.57, 1.43))
+
+
+def _breaking(one):
+    """The design as one that breaks two limits."""
+    words: dict = {"equal": None, "active": False, "satisfied": False, "multiplier": 0.0}
+    pressure = ConstraintReport("max_pressure", "Pa", 1.5e9, None, 1.4e9, limit=1.4e9, **words)
+    play = ConstraintReport("backlash (stage 1)", "m", -3e-6, 0.0, None, limit=0.0, **words)
+    return dataclasses.replace(one, broken=(pressure, play))
 
 
 def _read_panel(chart, axes, x, y):
@@ -138,6 +149,14 @@ def test_designs_across_variables_and_objectives():
     chart.finish()
 
 
+def test_the_legend_names_limits_that_the_present_design_breaks():
+    front = _made(EFFICIENCY, DIAMETER)
+    front = dataclasses.replace(front, start=_breaking(front.start))
+    for chart in (front_chart, parallel_chart):
+        words = " ".join(handles(chart(front))[-1].split())
+        assert words == "present design, breaks max pressure, check: backlash (stage 1)"
+
+
 def test_a_number_that_all_designs_share_lies_in_the_middle_of_its_axis():
     level = ("mass", "kg", "minimise", (1.5, 1.5, 1.5, 1.5))
     chart = Chart(parallel_chart(_made(EFFICIENCY, level)))
@@ -164,6 +183,31 @@ def test_a_front_without_points_is_refused():
             chart(empty)
 
 
+def test_without_a_feasible_design_the_first_line_says_so(monkeypatch, tmp_path, capsys):
+    """JSON and exit status too; no picture is made, and one of an earlier run is named."""
+    made = _made(EFFICIENCY, DIAMETER)
+    far = dataclasses.replace(_breaking(made.points[0]), status="infeasible", violation=0.4)
+    near = dataclasses.replace(_breaking(made.points[1]), status="infeasible", violation=0.2)
+    message = "no feasible design found; the design of least violation has max_pressure = 1500"
+    empty = dataclasses.replace(made, points=(), dropped=(far, near), message=message)
+    monkeypatch.setattr("prsm_jax.optimisation.pareto", lambda *_, **__: empty)
+    words = ["pareto", "wu2022", "--out", str(tmp_path / "o")]
+    monkeypatch.setenv("PRSM_JAX_CACHE", cache_folder())
+    monkeypatch.setenv("COLUMNS", "300")
+    assert main(words) == 1
+    out = capsys.readouterr().out
+    lines = out.splitlines()
+    assert lines[0] == f"NO FEASIBLE DESIGN: {message}"
+    assert lines.index(next(one for one in lines if one.startswith("least violation"))) < (
+        lines.index(next(one for one in lines if one.startswith("start")))
+    )
+    assert "no file written: without a feasible design there is no picture" in lines
+    assert main([*words, "--json", "-"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert (found["valid"], found["points"], found["pictures"]) == (False, [], [])
+    assert_json(found["least_violation"], _keys(near))
+
+
 def _keys(one):
     return {
         "variables": dict(one.variables),
@@ -175,6 +219,10 @@ def _keys(one):
         "violation": one.violation,
         "status": one.status,
         "message": one.message,
+        "broken": [
+            {"name": row.name, "unit": row.unit, "value": row.value, "limit": row.limit}
+            for row in one.broken
+        ],
     }
 
 
@@ -183,7 +231,8 @@ def test_pareto(run, monkeypatch, tmp_path):
     front = _made(EFFICIENCY, DIAMETER)
     # Otherwise the exit status is 1.
     points = tuple(dataclasses.replace(one, status="optimal") for one in front.points)
-    front = dataclasses.replace(front, points=points, message="every point is")
+    start = _breaking(front.start)
+    front = dataclasses.replace(front, points=points, start=start, message="every point is")
     given = {}
 
     def found_by(*arguments, **options):
@@ -202,6 +251,7 @@ def test_pareto(run, monkeypatch, tmp_path):
     found, printed = run("pareto", "wu2022", *words)
     assert given["objectives"] == list(front.objectives)
     assert {path.stem for path in (tmp_path / "o").iterdir()} == {"front", "front-parallel"}
+    pictures = [f"{name}.{kind}" for name in ("front", "front-parallel") for kind in ("png", "svg")]
     assert_json(
         without_words(found),
         {
@@ -221,6 +271,8 @@ def test_pareto(run, monkeypatch, tmp_path):
             "derivative_evaluations": 37,
             "variable_units": {"lead": "m"},
             "objective_units": {"efficiency": "1", "nut_outer_diameter": "m"},
+            "least_violation": None,
+            "pictures": [str(tmp_path / "o" / name) for name in pictures],
         },
     )
     head = next(line for line in printed.lines if line[0].startswith("maximise efficiency"))
@@ -236,7 +288,8 @@ def test_pareto(run, monkeypatch, tmp_path):
         assert shown == pytest.approx(values, rel=5e-6)
         residual = "–" if np.isnan(one.kkt_residual) else f"{one.kkt_residual:.6g}"
         assert cells[3] == residual
-        assert cells[4] == one.status
+        breaks = ", breaks max_pressure, check: backlash (stage 1)" if name == "start" else ""
+        assert cells[4] == one.status + breaks
     printed.row("converged: every point is")
     printed.row(
         "3 points; 41 evaluations of values, 37 of derivatives; the front dominates 61.7 % of the "
