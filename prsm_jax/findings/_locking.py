@@ -152,12 +152,13 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         )
 
     def details(analysis: Analysis) -> dict[str, Scalar]:
+        load = {"load": jnp.asarray(load_of(analysis.mechanism, analysis.signed_load))}
         if not free:
-            return {"limit": locking_coefficient(analysis.kinematics[0])}
+            return load | {"limit": locking_coefficient(analysis.kinematics[0])}
         margin, known = self_locking_margin(
             analysis.mechanism, analysis.kinematics, analysis.speed, analysis.load
         )
-        return {"factor": jnp.where(known, 1 / (1 - margin), jnp.nan)}
+        return load | {"factor": jnp.where(known, 1 / (1 - margin), jnp.nan)}
 
     yield Margin(
         "self_locking",
@@ -166,5 +167,7 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         (("note", 0.0), ("warning", _NEARLY_HELD)),
         message,
         details=details,
+        # Without a load nothing is held, and there is no efficiency of its work.
+        applies=lambda numbers: numbers["load"] != 0,
         shown=lambda r: (r.value, r.limit),
     )

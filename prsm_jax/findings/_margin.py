@@ -58,6 +58,9 @@ class Margin:
     kind: Kind = "service"
     #: Numbers for the message beside the value.
     details: Callable[[Analysis], dict[str, Scalar]] | None = None
+    #: Whether the value means something, from value and details; default always. Where it means
+    #: nothing there is no finding, and the check has no value.
+    applies: Callable[[dict[str, float]], bool] | None = None
     #: Value and limit that the finding shows, where those of the margin are less clear to a reader.
     shown: Callable[[Reading], tuple[float, float]] | None = None
     #: SI unit of `shown`; default that of the value.
@@ -193,6 +196,11 @@ def severity_at(margin: Margin, value: float) -> tuple[Severity, float] | None:
     return None
 
 
+def has_meaning(margin: Margin, numbers: dict[str, float]) -> bool:
+    """Whether the value of an evaluated margin means something (`Margin.applies`)."""
+    return margin.applies is None or margin.applies(numbers)
+
+
 def is_error(margin: Margin, value: Scalar) -> Bool[Array, ""]:
     """Whether a value makes the finding an error; as `severity_at`, in a trace."""
     limit = margin.error_limit
@@ -226,7 +234,7 @@ def finding_of(
     mechanism: Mechanism, margin: Margin, numbers: dict[str, float] | None
 ) -> Finding | None:
     """The finding of an evaluated margin, if it violates a limit."""
-    if numbers is None:
+    if numbers is None or not has_meaning(margin, numbers):
         return None
     broken = severity_at(margin, numbers["value"])
     if broken is None:

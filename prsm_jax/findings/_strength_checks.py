@@ -27,7 +27,7 @@ from ..quantities import (
 )
 from ..strength import is_preloaded, split_nut_of
 from ._check import CheckNumbers, margin_numbers, plain_numbers
-from ._margin import Margin, Reading, margins_of, severity_at
+from ._margin import Margin, Reading, has_meaning, margins_of, severity_at
 
 Verdict: TypeAlias = Literal["pass", "warning", "fail", "no limit"]
 Status: TypeAlias = Literal["pass", "warning", "fail", "no checks"]
@@ -63,7 +63,8 @@ class StrengthCheck:
     - `name`: that of the finding of `check`, or of the quantity.
     - `stage`: number of the stage, from 1; 0 for a value of the whole mechanism.
     - `subject`: distinguishes checks of one name and stage, such as the ends of flanks.
-    - `value`, `limit`, `unit`: in SI; the limit is `None` if there is none.
+    - `value`, `limit`, `unit`: in SI; the limit is `None` if there is none. The value is NaN where
+      it is not defined, such as the efficiency of a load of 0.
     - `at_most`: whether the limit is an upper one.
     - `margin`, `margin_unit`: distance from the limit, negative where it is violated; mostly
       relative ("1"), such as 1 − load/capacity.
@@ -102,6 +103,8 @@ def _of_margin(mechanism: Mechanism, margin: Margin, numbers: dict[str, float]) 
     if value != value:
         # A value that does not exist does not keep its limit.
         verdict = "fail"
+    if not has_meaning(margin, numbers):
+        shown, verdict = float("nan"), "no limit"
     if verdict == "no limit":
         limit = distance = None
     return StrengthCheck(

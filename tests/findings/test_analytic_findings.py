@@ -1,11 +1,12 @@
 """Findings: each appears when it should, with the numbers that it names, and only then."""
 
+import math
 from typing import Any
 
 import equinox as eqx
 import numpy as np
 import pytest
-from scenes import array, example, stage, thread
+from scenes import array, equal_shares, example, stage, thread
 
 import prsm_jax as prsm
 from prsm_jax import file
@@ -235,3 +236,19 @@ def test_a_bore_wider_than_the_root_of_the_shaft():
     assert "bore" not in _findings(good)
     found = _findings(eqx.tree_at(lambda s: s.screw.bore_radius, good, array(11.5e-3)))["bore"]
     assert (found.value, found.limit) == pytest.approx((11.5e-3, 11e-3))
+
+
+@pytest.mark.parametrize("speed", ["1200 rpm", "0 rpm", "-1200 rpm"])
+def test_without_a_load_nothing_is_held(speed):
+    """No self-locking, and no efficiency of work that is 0; under the least load both are there.
+
+    A drag of 0.2 N·m holds 1 N at a lead of 10 mm, whose torque is 0.0016 N·m.
+    """
+    settings = ["friction.drag.torque=0.2 N m", f"speed={speed}"]
+    for load in (0, 1):
+        mechanism = file.apply_settings(equal_shares("actuator"), [*settings, f"load={load} N"])
+        names = {one.name for one in prsm.check(mechanism)}
+        assert ("self_locking" in names) == (load > 0)
+        (row,) = (one for one in prsm.strength_checks(mechanism) if one.name == "self_locking")
+        assert math.isnan(row.value) == (load == 0)
+        assert (row.verdict, row.limit, row.margin) == ("no limit", None, None)

@@ -225,7 +225,8 @@ class ParetoFront(Shown):
 
         - `width`: number of characters in a line; default as many as the table needs.
         """
-        cost = f"{self.evaluations} evaluations of values, {self.derivative_evaluations} of derivatives"
+        values, slopes = self.evaluations, self.derivative_evaluations
+        cost = f"{values} evaluations of values, {slopes} of derivatives"
         table = self.to_table().text(width)
         if not self.points:
             first = f"NO FEASIBLE DESIGN: {self.message}"

@@ -40,7 +40,7 @@ _LABELS = {
 }
 #: Checks whose value is a share.
 _IN_PER_CENT = ("contact_truncation",)
-#: Where drag holds a load of 0, the efficiency is −∞; a number below −1e6 stands for it.
+#: Where drag holds a load near 0, the efficiency tends to −∞; a number below −1e6 stands for it.
 _HELD = 1e6
 #: What the margins of a table of checks are.
 MARGINS_IN_WORDS = (
@@ -67,9 +67,12 @@ def label_of(check: StrengthCheck) -> str:
 
 
 def value_text(check: StrengthCheck) -> str:
-    """The value of a check with its unit; a load of 0 that is held has no efficiency."""
-    if check.name == "self_locking" and check.value < -_HELD:
-        return "self-locking"
+    """The value of a check with its unit; a load of 0 has no efficiency."""
+    if check.name == "self_locking":
+        if math.isnan(check.value) and check.verdict == "no limit":
+            return "not defined (no load)"
+        if check.value < -_HELD:
+            return "self-locking"
     return _shown(check, check.value)
 
 

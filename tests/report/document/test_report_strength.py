@@ -209,4 +209,6 @@ def test_a_load_of_zero_that_drag_holds_has_no_efficiency():
     """The power of drag over a vanishing load is no number that an engineer can use."""
     held = StrengthCheck("self_locking", 1, -7.9e30, None, "1", False, None, "1", "no limit")
     assert value_text(held) == "self-locking"
+    unloaded = dataclasses.replace(held, value=np.nan)
+    assert value_text(unloaded) == "not defined (no load)"
     assert value_text(dataclasses.replace(held, value=-0.3)).startswith("\N{MINUS SIGN}0.3")
