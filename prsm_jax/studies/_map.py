@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from ..mechanism import Constraint, Mechanism
 from ..optimisation import LIMIT_ROOM, limit_scale
 from ..quantities import find_quantity
-from ..sweeps import block_size, sweep
+from ..sweeps import block_size, count_codes, sweep
 from ._problem import StudyProblem, check_single
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ class DriverMap:
     - `error`: true where `check` finds an error.
     - `violations`: largest violation of each limit, relative to the larger of a lower and an upper
       one (for 0: to 1 mm, or 1 of another SI unit), by quantity; NaN where a design fails.
+    - `reasons`: why designs fail, with the number of each, the most frequent first.
     """
 
     coordinates: dict[str, np.ndarray]
@@ -40,6 +41,7 @@ class DriverMap:
     usable: np.ndarray
     error: np.ndarray
     violations: dict[str, np.ndarray]
+    reasons: dict[str, int] = field(default_factory=dict)
 
     @property
     def allowed(self) -> np.ndarray:
@@ -150,7 +152,9 @@ def _read(problem: StudyProblem, data: "xarray.Dataset") -> DriverMap:
             before = violations.get(one.quantity)
             violations[one.quantity] = excess if before is None else np.maximum(before, excess)
     error = np.asarray(data["error"].values) > 0
-    return DriverMap(coordinates, values, elasticities, usable, error, violations)
+    counts = count_codes(data).reasons
+    reasons = dict(sorted(counts.items(), key=lambda one: -one[1]))
+    return DriverMap(coordinates, values, elasticities, usable, error, violations, reasons)
 
 
 def _violation(limit: Constraint, value: np.ndarray, usable: np.ndarray) -> np.ndarray:

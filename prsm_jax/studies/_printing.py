@@ -19,8 +19,10 @@ def map_sentences(study: StudyParts) -> list[str]:
     """Sentences on the designs of the map, and on the gradient at the present design."""
     grid, designs = study.map, study.map.usable.size
     failed, errors = int(np.sum(~grid.usable)), int(np.sum(grid.error & grid.usable))
+    why = ", ".join(f"{words(name)} {count}" for name, count in grid.reasons.items())
+    fail = f"{failed} fail ({why})" if failed and why else f"{failed} fail"
     lines = [
-        f"The map has {designs} designs; {failed} fail, prsm check finds errors in {errors} more, "
+        f"The map has {designs} designs; {fail}, prsm check finds errors in {errors} more, "
         f"and {int(grid.allowed.sum())} are allowed: they have no error and satisfy all limits."
     ]
     rows = {name: study.present_elasticities[name] for name in study.problem.senses}

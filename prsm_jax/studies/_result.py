@@ -70,6 +70,7 @@ class DriverStudy(Shown, StudyParts):
             "quantities": quantities,
             "points": int(grid.usable.size),
             "failed": int(np.sum(~grid.usable)),
+            "reasons": dict(grid.reasons),
             "errors": int(np.sum(grid.error & grid.usable)),
             "allowed": int(np.sum(grid.allowed)),
         }

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+import scenes
 
 from prsm_jax.mechanism import Constraint
 from prsm_jax.optimisation import _limits
-from prsm_jax.studies import DriverMap
-from prsm_jax.studies._map import _violation
+from prsm_jax.studies import Driver, DriverMap, StudyProblem
+from prsm_jax.studies._map import _violation, map_over_drivers
 
 
 def _map(**changes):
@@ -80,3 +81,22 @@ def test_the_worst_component_counts():
     values = np.array([[3.0, 4.0], [5.0, 3.0], [3.0, np.nan]])
     found = _violation(Constraint("rating_life", upper=4.0), values, np.array([True, True, False]))
     np.testing.assert_array_equal(found, [0.0, 0.25, np.nan])
+
+
+def test_reasons_of_designs_that_fail_are_counted():
+    """With k starts the screw has k − 2 roller radii: n rollers overlap if (k − 1) sin(π/n) < 1."""
+    mechanism = scenes.mechanism(scenes.stage(friction=scenes.FIRST_STAGE_LOSSES))
+    problem = StudyProblem(
+        drivers=(Driver("starts", "1", 3.5, 6.0, 5.0),),
+        senses={"efficiency": "maximise"},
+        objectives=("efficiency",),
+        limits=(),
+        limited={},
+        units={"efficiency": "1"},
+    )
+    found, _ = map_over_drivers(mechanism, problem, 6, None, False)
+    starts = np.linspace(3.5, 6.0, 6)
+    overlapping = (starts - 1) * np.sin(np.pi / mechanism.stages[0].roller_count) < 1
+    assert 1 < overlapping.sum() < 5
+    np.testing.assert_array_equal(found.usable, ~overlapping)
+    assert found.reasons == {"overlapping_rollers": int(overlapping.sum())}

@@ -21,7 +21,8 @@ def study_maps(study: DriverStudy) -> Figure:
     """Draw every quantity of a study over every two of its first three drivers.
 
     The other drivers have the value of the map nearest to the present one. Dots mark designs that
-    break a limit or have an error; designs that fail are white. A colour scale with pointed ends
+    break a limit or have an error; crosses mark those that fail, whose surroundings are white. The
+    legend says how many designs of the map fail. A colour scale with pointed ends
     leaves out the values of a few designs beyond them.
 
     **Arguments:**

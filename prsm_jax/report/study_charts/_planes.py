@@ -54,14 +54,22 @@ class Plane:
         return ", ".join(words)
 
     def dress(self, axes: Axes) -> None:
-        """Label the axes, mark designs that are not allowed, the front, and the present design.
+        """Label the axes, mark designs that fail or are not allowed, the front, the present design.
 
         Points of the front have other values of the other drivers.
         """
         (xs, x_unit), (ys, y_unit) = self.coordinates(self.x), self.coordinates(self.y)
         axes.set_xlabel(in_words(readable(self.x), x_unit))
         axes.set_ylabel(in_words(readable(self.y), y_unit))
-        refused = np.argwhere(~self.cut(self.study.map.allowed))
+        grid = self.study.map
+        failed = np.argwhere(~self.cut(grid.usable))
+        if failed.size:
+            number = f"{int(np.sum(~grid.usable))} of {grid.usable.size} designs"
+            axes.plot(
+                xs[failed[:, 1]], ys[failed[:, 0]], ls="", marker="x", ms=3.5, color=INK,
+                clip_on=False, label=f"not computed: failed ({number})",
+            )  # fmt: skip
+        refused = np.argwhere(~self.cut(grid.allowed) & self.cut(grid.usable))
         # Without a point, an unclipped marker lies at the corner of the figure for the layout.
         if refused.size:
             axes.plot(

@@ -59,6 +59,7 @@ def _map(coordinates, shape):
         usable=usable,
         error=np.zeros(shape, bool),
         violations={"max_pressure": np.where(usable, np.maximum(over, 0), np.nan)},
+        reasons={} if usable.all() else {"overlapping_rollers": 1},
     )
 
 

@@ -140,6 +140,31 @@ def test_maps_without_a_refused_design(study):
         assert sum(heights) > 0.5, heights
 
 
+def test_designs_that_fail_are_crosses_with_a_number(study):
+    """Not dots of broken limits; the number is that of the whole map, as in the sentence."""
+    usable = study.map.usable.copy()
+    usable[NEAREST] = False
+    values = {name: np.where(usable, one, np.nan) for name, one in study.map.values.items()}
+    reasons = {"overlapping_rollers": 1, "no_meshing": 1}
+    grid = dataclasses.replace(study.map, usable=usable, values=values, reasons=reasons)
+    changed = dataclasses.replace(study, map=grid)
+    for draw in (study_maps, conflict_maps):
+        chart = Chart(draw(changed))
+        panels = [one for one in chart.axes if one.get_xlabel()]
+        for number, axes in enumerate(panels):
+            pair = PAIRS[number % 3]
+            cross, dots, *_ = chart.lines(axes)
+            assert cross.get_marker() == "x"
+            place = [study.map.coordinates[NAMES[i]][NEAREST[i]] for i in pair]
+            units = [_of_unit(NAMES[i]) for i in pair]
+            chart.curve(axes, cross, *([one] for one in place), units)
+            refused = _cut(~grid.allowed & usable, pair)
+            assert len(np.asarray(dots.get_xdata())) == refused.sum()
+        assert handles(chart.figure)[0] == f"not computed: failed (2 of {usable.size} designs)"
+    sentence = changed.sentences()["drivers"][0]
+    assert "2 fail (overlapping rollers 1, no meshing 1), prsm check finds errors" in sentence
+
+
 @reads("chart", "conflict_maps")
 @pytest.mark.parametrize("limits", [False, True])
 def test_conflict_maps(study, limits):
@@ -466,6 +491,7 @@ def _expected(study):
             },
             "points": 60,
             "failed": 1,
+            "reasons": {"overlapping_rollers": 1},
             "errors": 0,
             "allowed": int(np.nansum(study.map.values["max_pressure"] <= 1.6e9 * (1 + 1e-6))),
         },
