@@ -5,6 +5,7 @@ import dataclasses
 import os
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -118,7 +119,7 @@ def write_scenario(path: str | os.PathLike[str], scenario: Scenario | TorqueScen
 
 def _refuse_lost(scenario: Scenario | TorqueScenario) -> None:
     """Refuse numbers other than the default that a table over time does not hold."""
-    defaults = {one.name: one.default for one in dataclasses.fields(scenario)}
+    defaults: dict[str, Any] = {one.name: one.default for one in dataclasses.fields(scenario)}
     lost = [
         f"{name} is {float(getattr(scenario, name)):g} in place of {float(default):g}"
         for name, default in defaults.items()

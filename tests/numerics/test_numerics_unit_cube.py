@@ -21,11 +21,11 @@ def scipy_that_takes(request, monkeypatch):
 
     class OldHypercube(qmc.LatinHypercube):
         def __init__(self, d, generator):
-            super().__init__(d, seed=generator)
+            super().__init__(d, seed=generator)  # pyright: ignore[reportCallIssue]
 
     class OldSobol(qmc.Sobol):
         def __init__(self, d, generator):
-            super().__init__(d, seed=generator)
+            super().__init__(d, seed=generator)  # pyright: ignore[reportCallIssue]
 
     monkeypatch.setattr(qmc, "LatinHypercube", only(OldHypercube))
     monkeypatch.setattr(qmc, "Sobol", only(OldSobol))
