@@ -74,6 +74,8 @@ class CalibrationProblem(eqx.Module):
     #: Quantities with several components that have a column without the number of one: until its
     #: rows are paired, they count as the first component.
     unnumbered: tuple[str, ...] = eqx.field(static=True)
+    #: Names of the conditions in the order in which they are set, which a program does not keep.
+    order: tuple[str, ...] = eqx.field(static=True)
     loss: str = eqx.field(static=True)
 
     def all_computed(
@@ -162,7 +164,8 @@ def _at_points(
     numbers = dict(zip(problem.parameters, values, strict=True))
 
     def at(conditions: dict[str, Array]):
-        one = set_parameters(problem.mechanism, conditions | numbers, checked=False)
+        given = {name: conditions[name] for name in problem.order}
+        one = set_parameters(problem.mechanism, given | numbers, checked=False)
         computed, more = evaluation(Analysis(one), problem.quantities)
         return jnp.concatenate([jnp.ravel(computed[name]) for name in problem.quantities]), more
 
@@ -256,6 +259,7 @@ def calibration_problem(
         quantities=quantities,
         components=tuple(labels),
         unnumbered=tuple(unnumbered),
+        order=tuple(data.conditions),
         loss=loss,
     )
 

@@ -172,6 +172,16 @@ def test_repeated_fits_want_the_number_of_each_mode():
     np.testing.assert_allclose(computed, true[[one - 1 for one in modes]], rtol=1e-12)
 
 
+def test_conditions_are_set_in_their_order():
+    """v = ω n p / 2π: the pitch after the number of starts, although p comes before s."""
+    starts, pitch = np.array([5.0, 6.0, 7.0]), np.array([2e-3, 2e-3, 3e-3])
+    columns = {"starts": starts, "pitch": pitch, "nut_speed": np.ones(3)}
+    problem = calibration_problem(plain(), Measurements.from_columns(columns), [SCREW])
+    turns = float(plain().operating_point.speed) / (2 * np.pi)
+    computed = problem.computed(problem.start)
+    np.testing.assert_allclose(computed, turns * starts * pitch, rtol=1e-13)
+
+
 def test_coverage_is_that_of_the_fits_that_converged():
     nan = np.nan
     lower, upper = np.array([[1.0, 0.0], [nan, nan], [2.5, 0.0]]), np.array([[3.0] * 2] * 3)
