@@ -155,9 +155,8 @@ def test_designs_that_fail_are_crosses_with_a_number(study):
             pair = PAIRS[number % 3]
             cross, dots, *_ = chart.lines(axes)
             assert cross.get_marker() == "x"
-            place = [study.map.coordinates[NAMES[i]][NEAREST[i]] for i in pair]
-            units = [_of_unit(NAMES[i]) for i in pair]
-            chart.curve(axes, cross, *([one] for one in place), units)
+            x, y = ([study.map.coordinates[NAMES[i]][NEAREST[i]]] for i in pair)
+            chart.curve(axes, cross, x, y, [_of_unit(NAMES[i]) for i in pair])
             refused = _cut(~grid.allowed & usable, pair)
             assert len(np.asarray(dots.get_xdata())) == refused.sum()
         assert handles(chart.figure)[0] == f"not computed: failed (2 of {usable.size} designs)"
