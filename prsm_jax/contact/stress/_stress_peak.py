@@ -13,6 +13,15 @@ from ...numerics import above_or_nan, find_root_of, solve
 from ...programs import physics
 from ...results import Result
 from ._axis_stress import axis_stress
+from ._edge_stress import (
+    Integrals,
+    PlaneStress,
+    edge_integrals,
+    edge_stress,
+    plane_max_shear,
+    plane_tension,
+    plane_von_mises,
+)
 from ._stress_measures import (
     max_shear_of_principal,
     max_shear_stress,
@@ -29,6 +38,12 @@ _MEASURES: dict[str, Callable[[Array], Array]] = {
     "max_shear": max_shear_stress,
     "tension": lambda stress: principal_stresses(stress)[..., 0],
 }
+#: The same from σ_x, σ_y and τ_xy at the edge of a contact.
+_PLANE: dict[str, Callable[[PlaneStress], Scalar]] = {
+    "von_mises": plane_von_mises,
+    "max_shear": plane_max_shear,
+    "tension": plane_tension,
+}
 #: The same from principal stresses; stresses on the axis are principal stresses.
 _OF_PRINCIPAL: dict[str, Callable[[Array, Array, Array], Array]] = {
     "von_mises": von_mises_of_principal,
@@ -42,6 +57,13 @@ _FINER = 2 / (_DEPTHS - 1)
 _STEPS = 8
 #: Number of refinements of the grid in space.
 _REFINEMENTS = 8
+#: Number of angles in a grid along the edge, and number of successively finer grids.
+_ANGLES, _ANGLE_GRIDS = 129, 3
+#: Least curvature along the edge, over the stress, that is not rounding.
+_LEAST_BEND = 1e-9
+#: Distance from the edge, over the semi-axes, at which grids in space have found the edge itself,
+#: and the difference of stress over p₀ that is then the error of the quadrature there.
+_CLOSE, _SAME = 2e-3, 3e-4
 
 
 class StressPeak(Result):
@@ -72,22 +94,31 @@ def _search(
 ) -> Float[Array, " d"]:
     """Point of the largest value: of `first`, then of ever smaller grids about it; z stays ≥ 0.
 
-    Without derivatives: these come from the last step of Newton's method.
+    Without derivatives: these come from the last step of Newton's method. `first` is as many points
+    as several grids have, and is searched in such parts: one loop is one program to compile.
     """
     first, parameters = jax.lax.stop_gradient((first, parameters))
     several = jax.vmap(lambda point: function(point, *parameters))
-    best = first[jnp.argmax(several(first))]
+    size = spacing.size
     steps = jnp.stack(
-        jnp.meshgrid(*[jnp.linspace(-1.0, 1.0, 5, dtype=best.dtype)] * best.size), axis=-1
-    ).reshape(-1, best.size)
+        jnp.meshgrid(*[jnp.linspace(-1.0, 1.0, 5, dtype=first.dtype)] * size), axis=-1
+    ).reshape(-1, size)
+    parts = first.reshape(-1, *steps.shape)
+    count = len(parts)
 
-    def refine(k, centre):
-        width = spacing * 0.5**k
+    def refine(k, carry):
+        centre, highest = carry
+        width = spacing * 0.5 ** (k - count)
         grid = centre[None] + steps * width[None]
         grid = grid.at[:, -1].set(jnp.maximum(grid[:, -1], 0.0))
-        return grid[jnp.argmax(several(grid))]
+        grid = jnp.where(k < count, parts[jnp.minimum(k, count - 1)], grid)
+        values = several(grid)
+        best = jnp.argmax(values)
+        better = values[best] >= highest
+        return jnp.where(better, grid[best], centre), jnp.where(better, values[best], highest)
 
-    return jax.lax.fori_loop(0, _REFINEMENTS, refine, best)
+    start = first[0], jnp.full_like(first[0, 0], -jnp.inf)
+    return jax.lax.fori_loop(0, count + _REFINEMENTS, refine, start)[0]
 
 
 def _moving(
@@ -135,6 +166,55 @@ def _moving(
     point, hessian, possible = jax.lax.stop_gradient(jax.lax.fori_loop(0, 2, closer, start))
     change, gradient = step(point, hessian, parameters, possible)
     return point + change, gradient @ change / 2
+
+
+def _edge_peak(
+    measure: Callable[[PlaneStress], Scalar],
+    start: Scalar,
+    *parameters: Array,
+) -> tuple[Scalar, Scalar]:
+    """Angle of the largest value along the edge, with the derivatives of its motion, and the value.
+
+    Among equal values it is the one at `start`.
+    """
+
+    def at(angle: Scalar, parameters: tuple[Array, ...], integrals: Integrals) -> Scalar:
+        ratio, poisson_ratio, pulled = parameters
+        return measure(edge_stress(angle, ratio, poisson_ratio, pulled, integrals))
+
+    integrals = edge_integrals(parameters[0])
+    given = parameters, integrals
+    constants = jax.lax.stop_gradient(given)
+    several = jax.vmap(lambda angle: at(angle, *constants))
+    steps = jnp.linspace(-1.0, 1.0, _ANGLES, dtype=start.dtype)
+    favour = 1 + jnp.where(steps == 0, 64 * jnp.finfo(start.dtype).eps, 0.0)
+
+    def refine(_, carry):
+        centre, width = carry
+        grid = centre + width * steps
+        return grid[jnp.argmax(several(grid) * favour)], width * (2 / (_ANGLES - 1))
+
+    first = jax.lax.stop_gradient(start), jnp.full_like(start, jnp.pi)
+    angle, width = jax.lax.fori_loop(0, _ANGLE_GRIDS, refine, first)
+
+    def step(angle, given):
+        def slope(
+            angle: Scalar, given: tuple[tuple[Array, ...], Integrals]
+        ) -> tuple[Scalar, Scalar]:
+            value, rise = jax.jvp(lambda x: at(x, *given), (angle,), (jnp.ones_like(angle),))
+            return rise, value
+
+        rise, _ = slope(angle, given)
+        _, bend, value = jax.jvp(
+            lambda x: slope(x, constants), (angle,), (jnp.ones_like(angle),), has_aux=True
+        )
+        # A circle without friction has the same stress all around.
+        bent = bend < -_LEAST_BEND * value
+        change = -jnp.where(bent, rise, 0.0) / jnp.where(bent, bend, -1.0)
+        return angle + jnp.where(jnp.abs(change) <= 4 * width, change, 0.0)
+
+    angle = step(jax.lax.stop_gradient(step(angle, constants)), given)
+    return angle, at(angle, *given)
 
 
 def _on_axis(name: str, depth: Scalar, ratio: Scalar, poisson_ratio: Scalar) -> Scalar:
@@ -229,7 +309,9 @@ def stress_peak(
 
     With increasing friction the maximum rises from below the middle of the contact; from about μ =
     0.3 on it lies on the surface. With `measure="tension"` it is the largest tensile stress, at the
-    trailing edge.
+    edge of the contact: of a circle, and for friction along an axis, at its trailing point; for
+    oblique friction on an ellipse elsewhere. Stresses at the edge are a closed form without
+    quadrature.
 
     **Arguments:**
 
@@ -241,7 +323,7 @@ def stress_peak(
     - `nodes`: as for `subsurface_stress`, which names the source of the equations.
 
     **Returns:** a `StressPeak`; the value is differentiable twice, the position once. A maximum
-    at the edge of the contact moves with the edge.
+    at the edge of the contact moves with the edge and along it.
 
     **Raises:** `ValueError` for an unknown measure.
     """
@@ -263,15 +345,25 @@ def stress_peak(
     sliding = above_or_nan(length)
     direction = jnp.where(sliding, pulled, jnp.asarray([1.0, 0.0], pulled.dtype))
     direction = direction / jnp.where(sliding, length, 1.0)
-    along, depth = jnp.meshgrid(jnp.linspace(-1.25, 1.25, 21), jnp.linspace(0.0, 1.25, 11))
+    along, depth = jnp.meshgrid(jnp.linspace(-1.25, 1.25, 25), jnp.linspace(0.0, 1.25, 10))
     along, depth = along.ravel().astype(ratio.dtype), depth.ravel().astype(ratio.dtype)
     first = jnp.stack([direction[0] * along, direction[1] * along, depth], axis=-1)
     spacing = jnp.full((3,), 0.125, ratio.dtype)
     maximum = _search(at, first, spacing, *parameters)
     moved, risen = _moving(at, maximum, spacing, *parameters)
+    inside = at(jax.lax.stop_gradient(moved), *parameters) + risen
+
+    # Then the edge, a ridge of infinite slope that grids do not follow; trailing point first.
+    trailing = jnp.arctan2(-direction[1], -direction[0])
+    angle, at_edge = _edge_peak(_PLANE[measure], trailing, *parameters)
+    border = jnp.stack([jnp.cos(angle), jnp.sin(angle), jnp.zeros_like(angle)])
+    # Grids that end within their spacing of the edge have found a point of it, with its rounding.
+    close = jnp.abs(jnp.hypot(moved[0], moved[1]) - 1) + jnp.abs(moved[2]) < _CLOSE
+    edge = at_edge + jnp.where(close, _SAME, 0.0) >= inside
+    value, moved = jnp.where(edge, at_edge, inside), jnp.where(edge, border, moved)
+
     flat = jnp.stack([moved[0] * major, moved[1] * minor])[order]
     position = jnp.concatenate([flat, moved[2:] * minor])
-    value = at(jax.lax.stop_gradient(moved), *parameters) + risen
     # If the values are NaN, the search still returns a position.
     position = jnp.where(jnp.isnan(value), jnp.nan, position)
     return StressPeak(max_pressure * value, position)
