@@ -152,11 +152,11 @@ def repeat_fits(
     jacobians, residuals = np.asarray(solved.jacobian), np.asarray(solved.residuals)
     good = np.asarray(solved.converged & solved.finite)
     fitted = np.where(good[:, None], np.asarray(solved.values), np.nan)
-    deviations = np.full_like(fitted, np.nan)
-    student = 1.0
+    deviations, student = np.full_like(fitted, np.nan), np.ones((len(fitted), 1))
     for i in np.flatnonzero(good):
         one = statistics_of(jacobians[i], residuals[i], problem.loss)
-        deviations[i], student = one.deviations * magnitude, one.student
+        # Fits may differ in the number of directions that the data determine.
+        deviations[i], student[i] = one.deviations * magnitude, one.student
     return Repetitions(
         problem.parameters,
         fitted,
