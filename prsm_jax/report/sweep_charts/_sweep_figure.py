@@ -14,10 +14,13 @@ from ._sweep_lines import sweep_lines, sweep_points
 from ._sweep_map import map_with_note
 from ._sweep_slices import sweep_slices
 
-#: Largest number of designs in a picture; if there are more, every second, third, … is drawn.
+#: Largest number of designs in a picture; if there are more, every second, third, … value of an
+#: axis is drawn.
 _MOST = 250_000
 #: Largest numbers of components of a quantity, and of points against an axis.
 _COMPONENTS, _POINTS = 6, 4000
+#: Of the choice of points.
+_SEED = 0
 _DESIGN = "design"
 
 
@@ -40,9 +43,9 @@ def sweep_figure(
 
     Crosses mark designs that failed, on the lower edge where the picture has an axis of the
     quantity, and dots designs in which `check` finds an error. With more than 250,000 designs only
-    every second, third, … value of the longest axes is drawn; a picture of points has 4,000 or
-    fewer. The best of all designs is among them, and the legend says how many of how many are
-    drawn. Only the first 6 components are drawn.
+    every second, third, … value of the longest axes is drawn; of more than 4,000 points as many
+    are drawn at random, always the same. The best of all designs is among them, and the legend says
+    how many of how many are drawn. Only the first 6 components are drawn.
 
     With `constraints`, maps have a line where a quantity is at its limit, with ticks on the side
     outside, which is hatched. Over one axis the ranges outside are hatched; limits of the drawn
@@ -73,11 +76,11 @@ def sweep_figure(
     names = [quantity, *(name for name in ("code", "error") if name in dataset)]
     names += [one.quantity for one in limited]
     part = dataset[list(dict.fromkeys(names))]
-    steps = _steps(part, designs)
+    kept = _kept(part, designs)
     note = ""
-    if max(steps.values()) > 1:
+    if kept:
         best = _place_of_best(part, quantity, limited, designs, sense)
-        part = part.isel({name: _kept(part.sizes[name], steps[name], best[name]) for name in steps})
+        part = part.isel({name: np.union1d(places, best[name]) for name, places in kept.items()})
         few, many = (math.prod(one.sizes[name] for name in designs) for one in (part, dataset))
         note = f"{few} of {many} designs drawn"
     part = part.isel({d: 0 for d in designs if d not in long_axes}).load()
@@ -100,22 +103,22 @@ def sweep_figure(
     return sweep_slices(part, quantity, long_axes, limits, sense, note)
 
 
-def _steps(dataset: Any, designs: tuple[str, ...]) -> dict[str, int]:
-    """By axis: which value is drawn, 1 for every one, so that few designs are left."""
+def _kept(dataset: Any, designs: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """By axis: places of the values that are drawn; empty if all are drawn."""
+    if designs == (_DESIGN,):
+        many = dataset.sizes[_DESIGN]
+        # Every second design of Sobol's sequence would be in one half of the range of an axis.
+        chosen = np.random.default_rng(_SEED).permutation(many)[:_POINTS]
+        return {_DESIGN: chosen} if many > _POINTS else {}
     steps = dict.fromkeys(designs, 1)
-    most = _POINTS if designs == (_DESIGN,) else _MOST
 
     def length(name: str) -> int:
         return -(-dataset.sizes[name] // steps[name])
 
-    while math.prod(map(length, designs)) > most:
+    while math.prod(map(length, designs)) > _MOST:
         steps[max(designs, key=length)] += 1
-    return steps
-
-
-def _kept(length: int, step: int, best: int) -> np.ndarray:
-    """Places of the drawn values along an axis: every second, third, … and that of the best."""
-    return np.union1d(np.arange(0, length, step), best)
+    places = {name: np.arange(0, dataset.sizes[name], step) for name, step in steps.items()}
+    return places if max(steps.values()) > 1 else {}
 
 
 def _place_of_best(

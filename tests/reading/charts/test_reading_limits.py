@@ -15,6 +15,7 @@ from reading_figures import Chart, handles
 from reading_units import assert_reads, to_si
 
 from prsm_jax.mechanism import Constraint
+from prsm_jax.numerics import sobol_points
 from prsm_jax.report import sweep_figure, sweep_map
 
 #: The pressure is `_SLOPE` × lead × angle [Pa].
@@ -280,7 +281,7 @@ def test_the_best_of_a_long_list_is_drawn():
     lead, angle = np.random.default_rng(0).uniform([5e-3, 0.5], [20e-3, 1.0], (20000, 2)).T
     values = _values(lead, angle)
     best = int(np.argmax(np.where(_is_outside(lead, angle), -1, values["efficiency"])))
-    assert best % 5 != 0
+    assert best not in np.random.default_rng(0).permutation(20000)[:4000]
     chart = Chart(sweep_figure(_list(lead, angle), "efficiency", constraints=LIMITS))
     full, hollow, star = chart.lines(chart.axes[0])
     np.testing.assert_allclose(chart.si(chart.axes[0], "x", x_data(star), "m"), lead[best])
@@ -298,8 +299,26 @@ def _flawed(data, where):
     return data.assign(error=(data["code"].dims, codes))
 
 
-@pytest.mark.parametrize("limits", [None, LIMITS], ids=["free", "limited"])
-@pytest.mark.parametrize("kind", ["map", "points", "slices"])
+def test_points_of_a_long_sequence_are_drawn_over_the_whole_of_each_axis():
+    """Every second point of Sobol's sequence lies in one half of the second axis."""
+    places = sobol_points(2, 13, 3)
+    assert np.all(places[::2, 1] < 0.5) or np.all(places[::2, 1] >= 0.5)
+    lead, angle = (places * [15e-3, 0.5] + [5e-3, 0.5]).T
+    chart = Chart(sweep_figure(_list(lead, angle), "efficiency"))
+    for panel, unit, (lower, upper) in zip(
+        chart.axes, ("m", "rad"), ((5e-3, 20e-3), (0.5, 1.0)), strict=True
+    ):
+        drawn = chart.si(panel, "x", x_data(chart.lines(panel)[0]), unit)
+        # A quarter of the points is in each quarter of the range; the scatter of 4000 is 0.7 %.
+        counts, _ = np.histogram(drawn, np.linspace(lower, upper, 5))
+        assert counts.sum() in (4000, 4001)  # with the best, if it is none of them
+        assert np.abs(counts / 4000 - 0.25).max() < 0.03
+
+
+@pytest.mark.parametrize(
+    ("kind", "limits"),
+    [("map", None), ("slices", None), ("map", LIMITS), ("points", LIMITS), ("slices", LIMITS)],
+)
 def test_of_designs_that_all_have_errors_none_is_the_best(kind, limits):
     if kind == "slices":
         axes = {"lead": (LEAD, "m"), "contact_angle": (ANGLE, "rad"), "load": (LEAD, "m")}
@@ -308,8 +327,6 @@ def test_of_designs_that_all_have_errors_none_is_the_best(kind, limits):
         data = _grid()
     else:
         data = _list(*np.random.default_rng(8).uniform([5e-3, 0.5], [20e-3, 1.0], (60, 2)).T)
-    if kind == "points" and limits is None:
-        pytest.skip("without limits no point is marked")
     chart = Chart(sweep_figure(_flawed(data, True), "efficiency", constraints=limits))
     assert not [line for axes in chart.axes for line in axes.lines if line.get_marker() == "*"]
     assert handles(chart.figure)[-1] == "no design without an error of prsm check"
