@@ -4,6 +4,7 @@ from typing import Any
 
 import equinox as eqx
 import jax
+import jax.core
 import numpy as np
 
 #: Longest list of numbers that is shown whole; of a longer one, or a batch, type and shape.

@@ -1,5 +1,7 @@
 """Largest stress at the edge of a contact, with friction in any direction: NumPy's own field."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -61,7 +63,7 @@ def _largest(name, b, friction, degrees):
 
     angles = np.linspace(-np.pi, np.pi, 1001)
     place = angles[np.argmin(below(angles))]
-    found = minimize_scalar(
+    found: Any = minimize_scalar(
         below, bounds=(place - 0.01, place + 0.01), method="bounded", options={"xatol": 1e-9}
     )
     return -found.fun, found.x

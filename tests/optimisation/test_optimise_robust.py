@@ -1,6 +1,7 @@
 """Worst cases, duty cycles and tolerances in a search, against closed forms."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -148,7 +149,7 @@ def test_an_objective_with_its_standard_deviation(bowls):
     from scipy.optimize import minimize_scalar
 
     # SciPy's minimum without slopes is good to the root of the rounding error.
-    found = minimize_scalar(worsened, bounds=(1.0, 14.0), options={"xatol": 1e-10})
+    found: Any = minimize_scalar(worsened, bounds=(1.0, 14.0), options={"xatol": 1e-10})
     assert best.optimum.variables["lead"] == pytest.approx(1e-3 * found.x, rel=1e-6)
     assert best.optimum.objective == pytest.approx(found.fun, rel=1e-12)
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-import jax
+import jax.core
 
 
 def whole_number(name: str, value: Any) -> int:
