@@ -110,9 +110,9 @@ def _pulled(friction: float) -> tuple[float, float]:
 
 
 def _edge_friction() -> list[float]:
-    """Coefficient at which the largest stress moves to the surface, to a hundredth."""
+    """Coefficient at which the largest stress moves to the surface, to 1e-4."""
     low, high = 0.2, 0.5
-    while high - low > 2e-3:
+    while high - low > 1e-4:
         middle = (low + high) / 2
         low, high = (low, middle) if _pulled(middle)[1] == 0 else (middle, high)
     return [high]
