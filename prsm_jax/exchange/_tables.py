@@ -129,8 +129,8 @@ def _refuse_lost(scenario: Scenario | TorqueScenario) -> None:
     if lost:
         raise ValueError(
             f"{type(scenario).__name__}: {', '.join(lost)}, which a table over time cannot hold; "
-            "replace it by the default and set it after reading, or write the mechanism with its "
-            "scenario (prsm_jax.dump)"
+            "replace it by the default and set it after reading, or write the whole mechanism "
+            "(prsm_jax.dump, prsm export --as toml)"
         )
 
 

@@ -7,7 +7,7 @@ import jax
 import jax.core
 import numpy as np
 
-#: Longest list of numbers that is shown whole; of a longer one, or a batch, type and shape.
+#: Longest list of numbers that is shown whole; a longer one has type and shape.
 _LONGEST = 12
 
 
@@ -35,6 +35,7 @@ def _shown(leaf: Any) -> Any:
 def printed(part: eqx.Module) -> str:
     """A part as the text of a call: `Support(radial_stiffness=2e+08, torsional_stiffness=5e+07)`.
 
-    Numbers are in SI units; absent parts are left out, and traced numbers have type and shape.
+    Numbers are in SI units. Absent parts and choices at their default are left out; traced numbers
+    have type and shape.
     """
     return eqx.tree_pformat(jax.tree.map(_shown, part))

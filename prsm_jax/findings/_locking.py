@@ -1,7 +1,7 @@
 """Findings on friction: can the screw move the load, and can the load turn the screw?"""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from ..contact import load_of
 from ..dynamics import (
     STEADY_RESULTS,
+    SteadyState,
     friction_needs_load,
     friction_sets_motion,
     jamming_coefficient,
@@ -17,6 +18,7 @@ from ..dynamics import (
     self_locking_margin,
     steady_meaning,
     steady_state,
+    travel_share,
 )
 from ..fields import Scalar
 from ..geometry import Severity
@@ -28,6 +30,7 @@ from ._margin import Margin, Reading, margin_source
 _SCATTER = 0.3
 #: Backward efficiency below which this scatter may decide whether the load turns the screw.
 _NEARLY_HELD = 0.15
+_NO_BALANCE = STEADY_RESULTS.index("no_balance")
 
 
 def _without_friction(mechanism: Mechanism) -> bool:
@@ -98,16 +101,31 @@ def _steady_motion(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     """
     if _without_friction(mechanism) or index > 0 or not friction_sets_motion(mechanism):
         return
-    for name in ("no_balance", "sinking_load"):
-        code = STEADY_RESULTS.index(name)
 
-        def value(analysis: Analysis, code: int = code) -> Scalar:
-            return jnp.where(analysis.steady.code == code, -1.0, 1.0)
+    def balance(analysis: Analysis) -> Scalar:
+        return jnp.where(analysis.steady.code == _NO_BALANCE, -1.0, 1.0)
 
-        def message(r: Reading, name: str = name) -> str:
-            return steady_meaning(name).partition(": ")[2]
+    def words_of(name: str) -> Callable[[Reading], str]:
+        return lambda r: steady_meaning(name).partition(": ")[2]
 
-        yield Margin(name, 1, value, (("error", 0.0),), message, smooth=False)
+    error: tuple[tuple[Severity, float], ...] = (("error", 0.0),)
+    yield Margin("no_balance", 1, balance, error, words_of("no_balance"), smooth=False)
+    if mechanism.stages[-1].thread.family.lead_is_fixed:
+        return
+
+    def travel(analysis: Analysis) -> Scalar:
+        """Travel per turn over the lead while the screw drives; else nothing can sink."""
+        state, load = (
+            analysis.steady,
+            jnp.asarray(load_of(analysis.mechanism, analysis.signed_load)),
+        )
+        share = travel_share(analysis.mechanism.stages[-1].thread, state.carrier_ratio[-1])
+        assert share is not None
+        # From standstill the screw drives.
+        drives = state.screw_speed * load >= 0
+        return jnp.where(drives & (state.code != _NO_BALANCE), share, 1.0)
+
+    yield Margin("sinking_load", 1, travel, error, words_of("sinking_load"))
 
 
 @margin_source
@@ -116,14 +134,16 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
     if _without_friction(mechanism) or index > 0:
         return
 
-    def value(analysis: Analysis) -> Scalar:
+    def driven(analysis: Analysis) -> SteadyState:
         speed = -jnp.abs(analysis.speed)
         load = jnp.abs(load_of(analysis.mechanism, analysis.signed_load))
         # At standstill the onset says that it is the load that is about to drive.
-        driven = steady_state(
+        return steady_state(
             analysis.mechanism, speed, load, analysis.kinematics, onset=-jnp.ones_like(speed)
         )
-        return driven.efficiency
+
+    def value(analysis: Analysis) -> Scalar:
+        return driven(analysis).efficiency
 
     free = friction_sets_motion(mechanism)
 
@@ -158,7 +178,8 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         margin, known = self_locking_margin(
             analysis.mechanism, analysis.kinematics, analysis.speed, analysis.load
         )
-        return load | {"factor": jnp.where(known, 1 / (1 - margin), jnp.nan)}
+        moves = driven(analysis).code != _NO_BALANCE
+        return load | {"factor": jnp.where(known, 1 / (1 - margin), jnp.nan), "moves": moves}
 
     yield Margin(
         "self_locking",
@@ -167,7 +188,8 @@ def _self_locking(mechanism: Mechanism, index: int) -> Iterator[Margin]:
         (("note", 0.0), ("warning", _NEARLY_HELD)),
         message,
         details=details,
-        # Without a load nothing is held, and there is no efficiency of its work.
-        applies=lambda numbers: numbers["load"] != 0,
+        # Without a load nothing is held, and there is no efficiency of its work; nor of a motion
+        # that does not exist.
+        applies=lambda numbers: numbers["load"] != 0 and numbers.get("moves", 1.0) != 0,
         shown=lambda r: (r.value, r.limit),
     )

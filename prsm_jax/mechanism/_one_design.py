@@ -74,10 +74,17 @@ def _misplaced(module: eqx.Module, path: str = "") -> Iterator[str]:
         classes = [m for m in among if isinstance(m, type) and issubclass(m, eqx.Module)]
         only = classes and all(m in classes or m is types.NoneType for m in among)
         for at, one in _items(getattr(module, field.name), f"{path}{field.name}"):
+            # Leaves are indices here.
+            leaf = isinstance(one, int) and not field.metadata.get("static", False)
+            if (
+                only
+                and (leaf or isinstance(one, eqx.Module))
+                and not isinstance(one, tuple(classes))
+            ):
+                wanted = " or ".join(c.__name__ for c in classes)
+                kind = "number" if leaf else type(one).__name__
+                yield f"{at} is a {kind}, and must be a {wanted}"
             if isinstance(one, eqx.Module):
-                if only and not isinstance(one, tuple(classes)):
-                    wanted = " or ".join(c.__name__ for c in classes)
-                    yield f"{at} is a {type(one).__name__}, and must be a {wanted}"
                 yield from _misplaced(one, f"{at}.")
 
 

@@ -323,7 +323,8 @@ def _identity(job: Job) -> dict[str, Any]:
         "axes": {axis.name: _digest(axis.values.tobytes()) for axis in job.plan.axes},
         "quantities": list(job.quantities),
         "gradients": list(job.gradients),
-        "hold_axes": job.hold_axes,
+        # Of derivatives only: stores of sweeps without any have no such entry.
+        **({"hold_axes": job.hold_axes} if job.gradients else {}),
         "point": job.point,
         "findings": job.findings,
         "precision": str(jnp.result_type(float)),

@@ -87,13 +87,13 @@ def is_efficiency(quantity: str) -> bool:
 def state_without_efficiency(quantity: str, value: SupportsFloat) -> str:
     """The state shown instead of an efficiency below 0; empty if there is an efficiency.
 
-    The number of a thread that locks or jams is power that has to be put in from elsewhere.
+    The number is then power that has to be put in from elsewhere.
     """
     if not is_efficiency(quantity) or not float(value) < 0:
         return ""
-    if quantity.startswith("efficiency_backward"):
-        return "self-locking"
-    return "jammed" if quantity.startswith("efficiency_forward") else "locked"
+    # Otherwise it is a thread that jams, a self-locking one that the load does not turn, or a load
+    # that sinks while the screw drives.
+    return "self-locking" if quantity.startswith("efficiency_backward") else "none"
 
 
 def display_unit(

@@ -106,7 +106,7 @@ def _common_value(mechanism: Mechanism, name: str) -> float:
     """Present value of a number that all stages share: one range holds in each of them."""
     parameters = find_parameters(mechanism, name)
     present = [float(np.asarray(one.get(mechanism))) for one in parameters]
-    if not np.allclose(present, present[0], rtol=1e-12, atol=0.0):
+    if not np.allclose(present, present[0], rtol=1e-12, atol=0.0, equal_nan=True):
         raise ValueError(
             f"range of {name!r}: its present value differs between the stages "
             f"({', '.join(f'{value:g}' for value in present)}); name the stage: "

@@ -513,6 +513,13 @@ def test_a_part_that_is_no_law_is_named():
         prsm.steady_state(one)
 
 
+def test_a_number_in_place_of_a_law_is_named():
+    one = eqx.tree_at(lambda m: m.stages[0].friction.thread, example("wu2022"), array(0.05))
+    words = r"stages\[0\].friction.thread is a number, and must be a FrictionLaw"
+    with pytest.raises(ValueError, match=words):
+        prsm.steady_state(one)
+
+
 class _TwoNumbers(prsm.FrictionLaw):
     mu: Scalar = number("1", "friction coefficient")
 

@@ -515,7 +515,7 @@ def test_sensitivities_of_a_locked_thread_and_at_a_kink(data):
     section = next(s for s in sections if s.anchor == "sensitivity")
     changes, relative, moves = section.tables
     efficiency, pressure, _ = changes.rows
-    assert efficiency == ("efficiency in %", "locked", *("not defined",) * 3)
+    assert efficiency == ("efficiency in %", "none", *("not defined",) * 3)
     assert relative.rows[0] == ("efficiency", *("not defined",) * 3)
     assert pressure[2] == "20.0 below, 50.0 above"
     # Times 0.01 m over 2.13 GPa.

@@ -43,9 +43,9 @@ class FrontPoint:
 
     @property
     def breaks(self) -> str:
-        """The limits that it breaks, in words; those of findings begin with "check"."""
+        """The limits that it breaks, in words; those of findings end with "of prsm check"."""
         names = [
-            one.name if one.name in self.constraints else f"check: {one.name}"
+            one.name if one.name in self.constraints else f"{one.name} of prsm check"
             for one in self.broken
         ]
         return f"breaks {', '.join(names)}" if names else ""

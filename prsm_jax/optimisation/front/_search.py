@@ -128,8 +128,11 @@ class FrontSearch:
             return "no feasible design found: every search ended at designs that fail"
         nearest = min((one.point for one in ends), key=evaluator.violation)
         rows = constraint_reports(evaluator, 1.0, nearest, None, self.tolerance)
+        # Values of margins, such as 1 − load/capacity, are not those that their names say.
+        margins = {row.label for row in evaluator.margins.smooth}
         broken = "; ".join(
-            against_limit(row.name, row.unit, row.value, row.limit)
+            ("margin of " if row.name in margins else "")
+            + against_limit(row.name, row.unit, row.value, row.limit)
             for row in rows
             if not row.satisfied
         )

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 
 from ..._errors import MissingDataError
 from ...dynamics import (
+    STEADY_RESULTS,
     free_carrier_ratio,
     has_contact_losses,
     roller_migration as stage_roller_migration,
@@ -26,7 +27,7 @@ _with_friction = functools.partial(quantity, assumes=("equal_friction", "frictio
     "η",
     "1",
     "output over input power at the operating point; negative if the load drives and the thread is "
-    "self-locking",
+    "self-locking, or the load of a differential roller screw sinks while the screw drives",
 )
 def efficiency(analysis: Analysis):
     return analysis.steady.efficiency
@@ -131,7 +132,7 @@ def nut_speed(analysis: Analysis):
     if stages[-1].thread.family.lead_is_fixed:
         return speed
     share = travel_share(stages[-1].thread, analysis.steady.carrier_ratio[-1])
-    return speed if share is None else speed * share
+    return speed if share is None else speed * jnp.abs(share)
 
 
 @quantity(
@@ -153,9 +154,11 @@ def duty_efficiency(analysis: Analysis):
     phases = jax.vmap(
         lambda speed, load: steady_state(analysis.mechanism, speed, load, kinematics)
     )(duty.speed, duty.load)
-    output_energy, input_energy = (
-        jnp.sum(power * duty.duration) for power in (phases.output_power, phases.input_power)
-    )
+    # A load that sinks while the screw drives gives energy to the mechanism, too.
+    output, given = phases.output_power, phases.input_power
+    sinks = phases.code == STEADY_RESULTS.index("sinking_load")
+    given, output = jnp.where(sinks, given - output, given), jnp.where(sinks, 0.0, output)
+    output_energy, input_energy = (jnp.sum(power * duty.duration) for power in (output, given))
     # A cycle at standstill takes no energy and has no efficiency.
     moves = input_energy != 0
     analysis.require(phases.computed.all() & load_spectrum(duty).possible & moves)

@@ -5,9 +5,8 @@ from typing import SupportsFloat
 from ...dynamics import SteadyState
 from ...text import fixed, with_label
 
-_SELF_LOCKING = "self-locking"
 #: States by `SteadyState.result_name` whose words differ from their name.
-_STATES = {"self_locking": _SELF_LOCKING}
+_STATES = {"self_locking": "self-locking"}
 
 
 def efficiency_text(state: SteadyState) -> str:
@@ -22,8 +21,8 @@ def efficiency_text(state: SteadyState) -> str:
 
 
 def share_text(efficiency: SupportsFloat) -> str:
-    """An efficiency of a moving mechanism in per cent; below 0 it is self-locking."""
+    """An efficiency of a moving mechanism in per cent; there is none where no power leaves it."""
     value = float(efficiency)
     if value != value:
         return "not defined"
-    return with_label(fixed(100 * value, 2), "%", " ") if value > 0 else _SELF_LOCKING
+    return with_label(fixed(100 * value, 2), "%", " ") if value > 0 else "none"

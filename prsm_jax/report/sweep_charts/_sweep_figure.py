@@ -43,9 +43,9 @@ def sweep_figure(
 
     Crosses mark designs that failed, on the lower edge where the picture has an axis of the
     quantity, and dots designs in which `check` finds an error. With more than 250,000 designs only
-    every second, third, … value of the longest axes is drawn; of more than 4,000 points as many
-    are drawn at random, always the same. The best of all designs is among them, and the legend says
-    how many of how many are drawn. Only the first 6 components are drawn.
+    every second, third, … value of the longest axes is drawn; of more than 4,000 points 4,000 are
+    chosen at random, always the same. The best of all designs is drawn too, and the legend says how
+    many are drawn. Only the first 6 components are drawn.
 
     With `constraints`, maps have a line where a quantity is at its limit, with ticks on the side
     outside, which is hatched. Over one axis the ranges outside are hatched; limits of the drawn

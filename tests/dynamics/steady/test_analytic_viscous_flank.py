@@ -11,13 +11,15 @@ import functools
 import jax
 import numpy as np
 import pytest
-from scenes import array, mesh, simulate, steady_state
+from scenes import array, example, mesh, simulate, steady_state
+from scipy.optimize import brentq
 from type_motion import mechanism, slips_of, with_law
 
 import prsm_jax as prsm
 from prsm_jax.dynamics import sliding_contact
 from prsm_jax.friction import CoulombFriction, StribeckFriction, ViscousFriction
-from prsm_jax.mechanism import OperatingPoint
+from prsm_jax.mechanism import DesignProblem, DutyCycle, Objective, OperatingPoint, Variable
+from prsm_jax.optimisation import optimise
 
 RESISTANCE, LOAD = 25.0, 200.0
 ONE = with_law(mechanism("differential", extra=False), ViscousFriction(RESISTANCE))
@@ -139,6 +141,42 @@ def test_a_load_that_sinks_while_the_screw_drives_has_a_name_and_no_efficiency(s
 
 def _at(speed):
     return dataclasses.replace(ONE, operating_point=OperatingPoint(array(speed), array(LOAD)))
+
+
+def test_speed_and_energies_of_a_load_that_sinks():
+    """A duty cycle of one second in which the load sinks, and one in which it is driven."""
+    slow, fast = 0.5 * _limit(), 3.0 * _limit()
+    cycle = DutyCycle(array([1.0, 1.0]), array([slow, fast]), array([LOAD, LOAD]))
+    one = dataclasses.replace(_at(slow), duty_cycle=cycle)
+    sunk, lifted = _power_of_the_load(slow), _power_of_the_load(fast)
+    assert sunk < 0 < lifted
+    found = prsm.compute(one, ["nut_speed", "duty_efficiency"])
+    assert float(found["nut_speed"]) == pytest.approx(-sunk / LOAD, rel=1e-9)
+    driven = sum(_reference(speed, LOAD)[2] * speed for speed in (slow, fast))
+    # The torque of the reference has the travel without its sign.
+    driven += 2 * sunk
+    assert float(found["duty_efficiency"]) == pytest.approx(lifted / (driven - sunk), rel=1e-9)
+
+
+def test_a_search_keeps_the_load_from_sinking():
+    """Less viscous friction lowers the torque, until the nut would stand."""
+    one = with_law(example("differential_stage"), ViscousFriction(25.0))
+    speed, load = 100 * np.pi / 30, 3e3
+    problem = DesignProblem(
+        (Variable("friction.thread.coefficient", 15.0, 40.0),), (Objective("drive_torque"),)
+    )
+    point = OperatingPoint(array(speed), array(load))
+    one = dataclasses.replace(one, operating_point=point, design_problem=problem)
+
+    def power(coefficient):
+        changed = prsm.set_parameter(one, "friction.thread.coefficient", coefficient)
+        return float(steady_state(changed, speed, load).output_power)
+
+    limit = brentq(power, 15.0, 40.0)
+    best = optimise(one)
+    assert best.converged
+    assert best.optimum.variables["friction.thread.coefficient"] == pytest.approx(limit, rel=1e-3)
+    assert "sinking_load" not in [found.name for found in best.findings_optimum]
 
 
 def test_check_names_a_carrier_that_friction_cannot_hold():

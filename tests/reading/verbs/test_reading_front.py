@@ -154,7 +154,7 @@ def test_the_legend_names_limits_that_the_present_design_breaks():
     front = dataclasses.replace(front, start=_breaking(front.start))
     for chart in (front_chart, parallel_chart):
         words = " ".join(handles(chart(front))[-1].split())
-        assert words == "present design, breaks max pressure, check: backlash (stage 1)"
+        assert words == "present design, breaks max pressure, backlash (stage 1) of prsm check"
 
 
 def test_a_number_that_all_designs_share_lies_in_the_middle_of_its_axis():
@@ -288,7 +288,9 @@ def test_pareto(run, monkeypatch, tmp_path):
         assert shown == pytest.approx(values, rel=5e-6)
         residual = "–" if np.isnan(one.kkt_residual) else f"{one.kkt_residual:.6g}"
         assert cells[3] == residual
-        breaks = ", breaks max_pressure, check: backlash (stage 1)" if name == "start" else ""
+        breaks = (
+            ", breaks max_pressure, backlash (stage 1) of prsm check" if name == "start" else ""
+        )
         assert cells[4] == one.status + breaks
     printed.row("converged: every point is")
     printed.row(

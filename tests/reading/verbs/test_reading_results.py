@@ -305,9 +305,9 @@ def test_units_of_fields_are_those_of_their_comments():
 
 def test_a_locked_thread_has_no_efficiency():
     rows = _printed(made.steady(output=-500.0, locked=True))
-    assert rows["efficiency"] in ("locked", "self-locking")
+    assert rows["efficiency"] == "none"
     batch = Line("efficiency", np.array([0.8, 0.85, -0.2, np.nan, 0.83]), "1", "efficiency")
-    assert batch.text == "80.00 … 85.00 %; locked: 1 of 5; not defined: 1 of 5"
+    assert batch.text == "80.00 … 85.00 %; none: 1 of 5; not defined: 1 of 5"
 
 
 @pytest.mark.parametrize(

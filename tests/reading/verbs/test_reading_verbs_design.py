@@ -521,14 +521,14 @@ def test_the_terminal_tells_the_state_of_a_locked_thread(run, monkeypatch):
     )
     _, printed = run("optimise", "wu2022")
     (cells,) = (cells for cells in printed.lines if cells[0].startswith("maximise efficiency"))
-    assert cells[1:3] == ["locked", "87.91"]
+    assert cells[1:3] == ["none", "87.91"]
     table = dataclasses.replace(_table(), values=jnp.asarray([-0.34, 2.13e9, 0.0]))
     asked = {}
     monkeypatch.setattr(
         "prsm_jax.sensitivities.sensitivity", lambda *_, **more: asked.update(more) or table
     )
     _, printed = run("sensitivity", "wu2022")
-    assert printed.row("efficiency [%]") == ["locked", "–", "–"]
+    assert printed.row("efficiency [%]") == ["none", "–", "–"]
     assert printed.row("efficiency") == ["–", "–"]
 
 
