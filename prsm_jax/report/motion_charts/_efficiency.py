@@ -5,8 +5,9 @@ from typing import SupportsFloat
 from ...dynamics import SteadyState
 from ...text import fixed, with_label
 
+_SELF_LOCKING = "self-locking"
 #: States by `SteadyState.result_name` whose words differ from their name.
-_STATES = {"self_locking": "self-locking"}
+_STATES = {"self_locking": _SELF_LOCKING}
 
 
 def efficiency_text(state: SteadyState) -> str:
@@ -17,7 +18,8 @@ def efficiency_text(state: SteadyState) -> str:
     if not state.has_efficiency:
         name: str = state.result_name
         return _STATES.get(name, name.replace("_", " "))
-    return share_text(state.efficiency)
+    # Of a steady state below 0 that names no reason.
+    return _SELF_LOCKING if float(state.efficiency) < 0 else share_text(state.efficiency)
 
 
 def share_text(efficiency: SupportsFloat) -> str:

@@ -159,7 +159,7 @@ def test_designs_that_fail_are_crosses_with_a_number(study):
             chart.curve(axes, cross, x, y, [_of_unit(NAMES[i]) for i in pair])
             refused = _cut(~grid.allowed & usable, pair)
             assert len(np.asarray(dots.get_xdata())) == refused.sum()
-        assert handles(chart.figure)[0] == f"not computed: failed (2 of {usable.size} designs)"
+        assert handles(chart.figure)[0] == f"failed: 2 of {usable.size} designs of the map"
     sentence = changed.sentences()["drivers"][0]
     assert "2 fail (overlapping rollers 1, no meshing 1), prsm check finds errors" in sentence
 
