@@ -29,20 +29,6 @@ from prsm_jax.scenario import (
     depends_on_motion,
 )
 
-ONE_STAGE = """
-[[stage]]
-roller_count = 7
-
-[stage.thread]
-lead = "10 mm"
-starts = 5
-roller_radius = "4 mm"
-contact_angle = "45 deg"
-
-[stage.friction.thread]
-law = "coulomb"
-coefficient = 0.1
-"""
 TRAPEZOID = TrapezoidalProfile(100.0, 0.1, 0.2, 0.05, 0.15)
 #: Long enough for all seven stretches; never at the limit of speed; nor at that of acceleration.
 CURVES = (
@@ -309,7 +295,7 @@ times = ["-0.5 s", "1 s"]
 values = ["0 rpm", "60 rpm"]
 """
     with pytest.raises(prsm.FileError, match=r'number 1 of the array, "-0\.5 s": must be 0'):
-        prsm.loads(ONE_STAGE + text)
+        prsm.loads(prsm.file.example_text("wu2022") + text)
 
 
 def test_times_of_a_table_may_be_traced():
