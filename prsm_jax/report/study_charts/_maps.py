@@ -22,7 +22,7 @@ def study_maps(study: DriverStudy) -> Figure:
 
     The other drivers have the value of the map nearest to the present one. Dots mark designs that
     break a limit or have an error; crosses mark those that fail, whose surroundings are white. The
-    legend says how many designs of the map fail. A colour scale with pointed ends
+    entry of the crosses says how many designs of the map fail. A colour scale with pointed ends
     leaves out the values of a few designs beyond them.
 
     **Arguments:**

@@ -63,8 +63,8 @@ class Plane:
         axes.set_ylabel(in_words(readable(self.y), y_unit))
         grid = self.study.map
         failed = np.argwhere(~self.cut(grid.usable))
-        number = f"{int(np.sum(~grid.usable))} of {grid.usable.size} designs of the map"
         if failed.size:
+            number = f"{int(np.sum(~grid.usable))} of {grid.usable.size} designs of the map"
             axes.plot(
                 xs[failed[:, 1]], ys[failed[:, 0]], ls="", marker="x", ms=3.5, color=INK,
                 clip_on=False, label=f"failed: {number}",
